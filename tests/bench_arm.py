@@ -63,10 +63,11 @@ def logged(
     held: bool = True,
     positions_alone: bool = False,
     speed_noise: float = 0.0,
+    differences: bool = False,
     resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
     seed: int = 0,
 ) -> Recording:
-    """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor.
+    """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor, or from `differences`.
 
     Args:
         file: the machine.
@@ -86,11 +87,12 @@ def logged(
         whole = [sum(a * np.sin(2 * np.pi * f * t + p) - a * np.sin(p) for a, f, p in axis) for axis in tones]
         return np.array(whole) * min(1.0, t)
 
-    rows = []
+    rows, before = [], data.qpos.copy()
     for k in range(count):
         reference = wanted((k // ticks) * log_s if held else k * loop_s)
         q, w = data.qpos.copy(), data.qvel.copy()
-        torque = KP * (reference - q) - KD * (w + read.normal(0.0, speed_noise, 3))
+        speed = (q - before) / loop_s if differences else w + read.normal(0.0, speed_noise, 3)
+        torque, before = KP * (reference - q) - KD * speed, q
         if k % ticks == 0:
             noise = generator.normal(0.0, 1.0, (3, 3)) * [[5e-5], [2e-3], [0.02]]
             rows.append((q + noise[0], w + noise[1], torque, torque + noise[2], reference))

@@ -66,3 +66,19 @@ def test_logged_torque_leaves_nothing_open(tmp_path: Path) -> None:
     log = logged(machine, seconds=2.0)
     (told,) = matched(load_model(machine), [log])
     assert told.notes == log.notes and np.array_equal(told.position, log.position)
+
+
+@pytest.mark.parametrize("differences", [True, False], ids=["difference", "sensor"])
+@pytest.mark.parametrize("log_s", [0.002, 0.004])
+def test_a_measured_torque_tells_how_the_loop_got_its_speed(
+    tmp_path: Path, log_s: float, differences: bool
+) -> None:
+    """Taken wrongly it would be a rotor of half of kd times the period, on every axis."""
+    machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", **WRONG["a rotor"]))
+    log = logged(machine, log_s=log_s, differences=differences)
+    signals = {name: values for name, values in log.signals.items() if name != "torque_command"}
+    signals["velocity"] = np.gradient(log.position, log_s, axis=0)
+    (told,) = matched(model, [replace(log, signals=signals, derived=("velocity",))])
+    assert told.controller.velocity == ("difference" if differences else "sensor")
+    assert any("no speed was logged" in note for note in told.notes)
+    assert told.timing == log.timing

@@ -160,6 +160,18 @@ def test_gear_ratio_on_one_axis(sound: Recording) -> None:
     assert any(r.value["factor"] == pytest.approx(5.0, rel=1e-3) for r in found)
 
 
+@pytest.mark.parametrize("factor", [1000.0, -1.0, 1.0])
+def test_a_measured_torque_alone_is_held_against_the_law(sound: Recording, factor: float) -> None:
+    command = sound.signals["torque_command"]
+    signals = {name: values for name, values in sound.signals.items() if name != "torque_command"}
+    noisy = command + np.random.default_rng(0).normal(0.0, 0.02, command.shape)
+    alone = times(replace(sound, signals={**signals, "torque_measured": noisy}), "torque_measured", 1, factor)
+    found = [r for r in alarms(alone) if "stated law" in r.text]
+    topics = {1000.0: ["unit"], -1.0: ["sign"], 1.0: []}
+    assert [r.topic for r in found] == topics[factor] and all(r.axis == "b" for r in found)
+    assert all(r.value["factor"] == pytest.approx(factor, rel=0.05) for r in found)
+
+
 def test_gains_are_not_as_stated(sound: Recording) -> None:
     law = replace(sound.controller, kp=(36.0, 20.0), kd=(0.9, 0.5))
     found = alarms(replace(sound, controller=law))

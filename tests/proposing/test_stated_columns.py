@@ -68,3 +68,41 @@ def test_degrees_a_second_are_no_wrong_rate(nameless: Path) -> None:
 def test_too_many_positions_are_shown_by_their_columns(nameless: Path) -> None:
     with pytest.raises(InputError, match="of the columns column_1, column_2, column_3"):
         propose(open_table(nameless), Answers(model_axes=("a", "b"), rate_hz=200.0))
+
+
+@pytest.fixture
+def reversed_order(tmp_path: Path) -> Path:
+    """Joint b's columns before joint a's; torques are currents in mA, 1.5 and 0.5 N m per A."""
+    currents = 1e3 * LOG.tau / (1.5, 0.5)
+    data = {"time [s]": LOG.t}
+    for k, name in ((1, "b"), (0, "a")):
+        data |= {f"{name}_pos [rad]": LOG.q[:, k], f"{name}_vel [rad/s]": LOG.v[:, k]}
+    data |= {f"{name}_current [mA]": currents[:, k] for k, name in ((1, "b"), (0, "a"))}
+    file = tmp_path / "run.csv"
+    file.write_text(text(data))
+    return file
+
+
+@pytest.mark.parametrize("axes", [(), ("a", "b"), ("b", "a")])
+def test_stated_columns_are_in_the_order_of_the_axes(reversed_order: Path, axes: tuple[str, ...]) -> None:
+    order = axes or ("a", "b")
+    names = tuple(f"{axis}_current [mA]" for axis in order)
+    constants = ",".join({"a": "1.5*N*m", "b": "0.5*N*m"}[axis] for axis in order)
+    said = Answers(
+        columns={"torque_measured": names}, units={"torque": constants}, axes=axes, model_axes=("a", "b")
+    )
+    _, recording = imported(reversed_order, said)
+    torque = dict(zip(recording.axes, recording.signals["torque_measured"].T, strict=True))
+    np.testing.assert_allclose(torque["a"], LOG.tau[:, 0], atol=1e-4)
+    np.testing.assert_allclose(torque["b"], LOG.tau[:, 1], atol=1e-4)
+
+
+def test_a_torque_constant_is_per_ampere_of_columns_in_milliampere(reversed_order: Path) -> None:
+    said = Answers(
+        columns={"torque_measured": ("a_current [mA]", "b_current [mA]")},
+        units={"torque": "2*N*m"},
+        model_axes=("a", "b"),
+    )
+    proposal, _ = imported(reversed_order, said)
+    assert proposal.description["units"]["torque"] == "0.002*N*m"
+    assert any("2*N*m per A is 0.002*N*m per mA" in note for note in proposal.notes)

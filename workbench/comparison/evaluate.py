@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.core import Comparison, InverseDynamics, Recording, RecordingError, Share
 from workbench.effects import axis_units
-from workbench.models import Model, limits_left_out
+from workbench.models import Model, free_joints, limits_left_out
 
 from .consistent import consistent, outlier_of
 from .grounded import force_squares
@@ -118,6 +118,6 @@ def concluded(
         consistent=fine,
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
-        notes=(*notes, *filter(None, [limits_left_out(model)])),
+        notes=(*notes, *filter(None, [limits_left_out(model), free_joints(model)])),
         outlier=outlier_of(model.axes, error_ms, draws_ms, allowed),
     )

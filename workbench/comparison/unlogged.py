@@ -21,6 +21,7 @@ from workbench.recordings import NoiseLevels
 from workbench.recordings.resample import looks_held
 from workbench.simulation import law_torque, motion_of, prepare, rate_read, required_torque, smooth_track
 
+from .answer_share import Asked, answer_share, joined
 from .band import corner_hz
 from .closed_loop import with_loops
 from .inverse import lowpass
@@ -28,21 +29,9 @@ from .noise import NoiseModel
 
 _Speed = Literal["sensor", "difference"]
 _SPEEDS: tuple[_Speed, ...] = "sensor", "difference"
-_BLOCKS = 5
 _NEAR = 0.4  # of the way from one answer to the other: a vote for the one that is as near as that
 _SURE = 0.2  # the same, of all axes together, for an answer beside which the other need not be tried
 _EDGE_S = 0.3
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """Of one axis: torque by the law less what the model needs (M,), what each answer would change of it
-    (M, 2), and what numbers of the model that may be wrong would, (M, C) each."""
-
-    lacking: np.ndarray
-    answers: np.ndarray
-    inertia: np.ndarray
-    others: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -75,11 +64,14 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     """Recordings by all answers to what their logs leave open of the loop that may be right, likeliest first.
 
     Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
-    recorded, and a PD loop is known. The torque by the law along the measured motion less that which the
-    model needs is held against both answers; damping, dry friction and weights of each axis may be wrong.
-    Where that does not decide, the run of a model that explains the recordings may.
+    commanded, and a PD loop is known. The torque by the law along the measured motion, less that which was
+    measured, is held against both answers; drives may be late, and a torque constant wrong. Where none
+    was measured, it is that which the model needs; damping, dry friction and weights of each axis may be
+    wrong. Where that does not decide, the run of a model that explains the recordings may.
     """
-    asked = tuple(i for i, r in enumerate(recordings) if _is_open(model, r))
+    opened = [i for i, r in enumerate(recordings) if _is_open(model, r)]
+    alone = [i for i in opened if "torque_measured" not in recordings[i].signals]
+    asked = tuple(alone or opened)
     if not asked:
         return (Reading(tuple(recordings)),)
     out = list(recordings)
@@ -88,11 +80,11 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
         out[i] = replace(recordings[i], controller=r.controller)
     plant, levels = compile_plant(model), NoiseModel.of(known).levels
     each = [_asked(r, plant, levels) for r in known]
-    axes = [_joined([of[k] for of in each]) for k in range(model.size)]
+    axes = [joined([of[k] for of in each]) for k in range(model.size)]
     between = [prepare(r, model) for r in known]
-    if not any(np.any(e.ticks % e.stride) for e in between):
+    if not alone or not any(np.any(e.ticks % e.stride) for e in between):
         return tuple(_by_speed(Reading(tuple(out), asked), axes))
-    share, std = _share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
+    share, std = answer_share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
     held = share > 0.5
     sure = max(std, abs(share - held)) < _SURE
     found: list[Reading] = []
@@ -103,9 +95,9 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     return tuple(found)
 
 
-def _by_speed(reading: Reading, axes: Sequence[_Asked]) -> list[Reading]:
+def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
     """A reading with the way in which loops come to know their speed, or with each of them."""
-    votes = [_share([a.others], [a], 1) for a in axes]
+    votes = [answer_share([a.others], [a], 1) for a in axes]
     clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
     # inertia that is wrong hides it on its axes
     decided: list[_Speed] = [
@@ -153,20 +145,24 @@ def _is_open(model: Model, recording: Recording) -> bool:
         return False
     e = prepare(replace(recording, controller=controller), model)
     between = np.any(e.ticks % e.stride) and not looks_held(reference)
+    between = between and "torque_measured" not in recording.signals  # at its rows both are the same
     stated = recording.timing.reference_held is not None, controller.velocity is not None
     return bool((between and not stated[0]) or not stated[1]) and rate_read(e) is None
 
 
-def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Asked]:
+def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[Asked]:
     """What one recording says of each axis, on rows away from its ends."""
     n = plant.model.size
     to_actuator = recording.to_actuator(plant.model.transmission)
     band = 0.2 / recording.period
     track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std, band)
-    first = law_torque(_reading(_held(recording, False), "sensor"), plant, track, 0.5)
+    measured, tick = recording.get("torque_measured"), recording.controller.period_s or recording.period
+    # a torque that was measured is that of the tick at its row
+    middle = 0.5 if measured is None else 0.5 - 0.5 * min(tick / recording.period, 1.0)
+    first = law_torque(_reading(_held(recording, False), "sensor"), plant, track, middle)
     changed = [
-        law_torque(_reading(_held(recording, True), "sensor"), plant, track, 0.5) - first,
-        law_torque(_reading(_held(recording, False), "difference"), plant, track, 0.5) - first,
+        law_torque(_reading(_held(recording, True), "sensor"), plant, track, middle) - first,
+        law_torque(_reading(_held(recording, False), "difference"), plant, track, middle) - first,
     ]
     shown = recording.with_signals(torque_command=first @ to_actuator)
     corner = corner_hz(shown, plant, levels)
@@ -179,15 +175,22 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Ask
         long = np.pad(values, ((1, 1), (0, 0)), mode="edge")
         return passed(values - np.diff(long, 2, axis=0) / 24.0)
 
+    edge = min(len(first) // 10, int(_EDGE_S / recording.period))
+    rows = np.flatnonzero(recording.valid)
+    rows = rows[(rows >= edge) & (rows < len(first) - edge)]
+    if measured is not None:
+        lacking = passed(first - measured @ np.linalg.inv(to_actuator))
+        answers = np.stack([passed(x) for x in changed], axis=-1)
+        drive = np.stack([passed(np.gradient(first, axis=0)), passed(first)], axis=-1)
+        return [
+            Asked(lacking[rows, k], answers[rows, k], drive[rows, k, :0], drive[rows, k]) for k in range(n)
+        ]
     weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
     measured = recording.get("torque_measured")
     given = required_torque(plant, track, recording.period)
     given = given if measured is None else measured @ np.linalg.inv(to_actuator)
     lacking = centred(first) - passed(given)
     answers = np.stack([centred(x) for x in changed], axis=-1)
-    edge = min(len(lacking) // 10, int(_EDGE_S / recording.period))
-    rows = np.flatnonzero(recording.valid)
-    rows = rows[(rows >= edge) & (rows < len(lacking) - edge)]
     out = []
     for k in range(n):
         q, w = track.position[:, k], track.velocity[:, k]
@@ -195,7 +198,7 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Ask
         friction = np.stack([w, np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
         others = np.hstack([passed(friction), weights[:, k, np.any(weights[:, k], axis=0)]])
         parts = passed(track.acceleration), others
-        out.append(_Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
+        out.append(Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
     return out
 
 
@@ -213,30 +216,6 @@ def _weights(motion: Motion, model: Model) -> np.ndarray:
     keys = [key for key in places(model) if key.effect == effect.name]
     found = [effect.response(motion, model, Placement.of(model, key), {}).columns for key in keys]
     return np.moveaxis(np.concatenate([np.zeros((0, *motion.position.shape)), *found]), 0, -1)
-
-
-def _joined(parts: Sequence[_Asked]) -> _Asked:
-    return _Asked(*(np.concatenate([getattr(p, f) for p in parts]) for f in _Asked.__dataclass_fields__))
-
-
-def _share(beside: Sequence[np.ndarray], axes: Sequence[_Asked], answer: int) -> tuple[float, float]:
-    """How far the torque that is lacking lies on the way to an answer; its deviation by leaving out blocks.
-
-    `beside`: columns (M, C) of each axis that are fitted with it. What they take up says nothing.
-    """
-    sums = np.zeros((_BLOCKS, 2))
-    for columns, axis in zip(beside, axes, strict=True):
-        base, _ = np.linalg.qr(columns / np.maximum(np.abs(columns).max(axis=0), 1e-300))
-        way, lacking = (x - base @ (base.T @ x) for x in (axis.answers[:, answer], axis.lacking))
-        scale = max(float(lacking @ lacking), 1e-300)
-        for block, rows in enumerate(np.array_split(np.arange(len(way)), _BLOCKS)):
-            sums[block] += -way[rows] @ lacking[rows] / scale, way[rows] @ way[rows] / scale
-    top, bottom = sums.sum(axis=0)
-    if not (bottom - sums[:, 1] > 0.0).all():
-        return 0.0, np.inf
-    without = (top - sums[:, 0]) / (bottom - sums[:, 1])
-    jackknife = (_BLOCKS - 1) / _BLOCKS * np.sum((without - without.mean()) ** 2)
-    return float(top / bottom), float(np.sqrt(jackknife))
 
 
 def _held(recording: Recording, held: bool) -> Recording:

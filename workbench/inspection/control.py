@@ -18,6 +18,7 @@ from .ticks import find_ticks
 _EXACT = 0.005  # what a law that holds may leave, as a part of the command's variation
 _HOLDS = 0.02  # the same of a law whose speed was not logged, and is made of the position
 _FAIR = 0.2  # above this the law is not followed
+_MULTIPLE = 1.5  # of what the law asks for: a measured torque that is as far off is in another unit
 _OFF = 0.02  # relative deviation of a gain that is reported
 _SWAPS = (
     ("position",),
@@ -39,7 +40,7 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
         transmission: J in q_p = J q_s, shape (n, n), or None to try the usual ones.
     """
     if recording.get("torque_command") is None:
-        return []
+        return _measured(recording, transmission)
     ratio, phase, remarks = find_ticks(recording)
     if recording.get("position_reference") is None:
         return remarks
@@ -70,6 +71,25 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
             text += " Its coordinates differ from the signals'; give the transmission."
         return [*remarks, Remark("warning", "controller", None, text, {"unexplained": fit.rest})]
     return remarks + _read_gains(recording, fit, m)
+
+
+def _measured(recording: Recording, transmission: np.ndarray | None) -> list[Remark]:
+    """A measured torque, without a command beside it, that is a clear multiple of what the law asks for."""
+    c, torque = recording.controller, recording.get("torque_measured")
+    if c.kind != "pd" or torque is None or recording.get("position_reference") is None:
+        return []
+    at = ticks(recording.with_signals(torque_command=torque), 1, 0)
+    if len(at.command) < 50 or np.ptp(at.command) == 0:
+        return []
+    fit = min((fit_commands(at, c, m) for m in maps(recording, c, transmission)), key=lambda fit: fit.rest)
+    if fit.rest > _FAIR:
+        return []
+    said = zip(recording.axes, fit.factors.tolist(), strict=True)
+    return [
+        _scaled("The measured torque", "torque_measured", axis, 1 / factor, {"unexplained": fit.rest})
+        for axis, factor in said
+        if not 1 / _MULTIPLE < factor < _MULTIPLE
+    ]
 
 
 def _pushes_away(recording: Recording, at: Ticks) -> list[Remark]:

@@ -205,6 +205,19 @@ def limits_left_out(model: Model) -> str | None:
     return f"{whose}; state torque_limit in [actuators] to have them"
 
 
+def free_joints(model: Model) -> str | None:
+    """A note on joints of the file that no axis moves and that are held by nothing; None without any."""
+    m = _compiled(model.serial)
+    names = [m.joint(k).name for k in range(m.njnt) if m.joint(k).name not in model.joints]
+    if not names:
+        return None
+    what = 'type="fixed"' if is_urdf(model.serial) else "take its <joint> out"
+    return (
+        f"{', '.join(names)} of {model.serial.name} stands in no axis: as nothing drives it, it moves freely "
+        f"here. If the machine holds it, fix it in a copy of the file ({what})"
+    )
+
+
 @lru_cache(maxsize=64)
 def _limited(serial: Path) -> frozenset[str]:
     """Joints of an MJCF whose torque it limits, by an actuator's range of force or control, or their own."""

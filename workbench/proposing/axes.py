@@ -27,8 +27,10 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
             remedy=f"name them: --column position=A,B; the columns are {shown}",
         )
     joints, axes = _axes(positions, draft)
+    stated = _stated_in_order(draft, joints, axes)
     columns: dict[str, list[str]] = {}
-    for signal, by_joint in signals.columns.items():
+    for signal, found in signals.columns.items():
+        by_joint = stated.get(signal, found)
         row = _in_order(by_joint, joints, list(positions))
         if row is None:
             missing = [a for j, a in zip(joints, axes, strict=True) if j not in by_joint]
@@ -41,6 +43,21 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
         shown = ", ".join(short) if few else f"{short[0]} ... {short[-1]}"
         draft.assume(signal, shown, signals.sure.get(signal, 0.97), signals.because.get(signal, "its name"))
     return axes, columns
+
+
+def _stated_in_order(draft: Draft, joints: list[str], axes: list[str]) -> dict[str, dict[str, str]]:
+    """Signal -> joint -> column of signals that are stated alone: one an axis, whatever the file's order is.
+
+    Beside stated positions they stand in the order of these, which their names may change.
+    """
+    if "position" in draft.answers.columns:
+        return {}
+    joint_of = dict(zip(axes, joints, strict=True))
+    order = [joint_of[axis] for axis in draft.answers.axes or axes]
+    said = draft.answers.columns.items()
+    return {
+        signal: dict(zip(order, names, strict=True)) for signal, names in said if len(names) == len(order)
+    }
 
 
 def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]]:

@@ -9,7 +9,7 @@ from workbench.core import AXIS_SIGNALS, InputError
 
 from .draft import Draft
 from .proposal import Answers, listed
-from .units import is_linear, pint_unit
+from .units import is_linear, pint_unit, scale, times
 
 #: Quantities whose unit depends on how an axis moves, and an example of each: turning, along a line.
 EXAMPLES = {"position": ("deg", "mm"), "velocity": ("deg/s", "mm/s"), "torque": ("N*m", "N")}
@@ -53,6 +53,7 @@ def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str
     """
     n = len(axes)
     said = {kind: _said(draft, kind, n) for kind in EXAMPLES}
+    said["torque"] = of_currents(draft, columns, said["torque"])
     headers = {kind: [_header(draft, columns, kind, i) for i in range(n)] for kind in EXAMPLES}
     modelled = _by_model(draft.answers, axes)
     each = {kind: units if len(units) == n else [""] * n for kind, units in said.items()}
@@ -74,6 +75,19 @@ def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str
         units[kind] = tuple(unit for unit, _ in each_told)
         because[kind] = tuple(why for _, why in each_told)
     return Stated(linear, from_model, guessed, units, because)
+
+
+def of_currents(draft: Draft, columns: dict[str, list[str]], said: list[str]) -> list[str]:
+    """Torque units of columns that are currents: constants are N m per A, whatever a column's own unit is."""
+    signal = next(iter(signals_of("torque", columns)), "")
+    out = list(said) * (len(columns[signal]) if signal and len(said) == 1 else 1)
+    for i, unit in enumerate(out if signal else ()):
+        current = header_unit(draft, columns[signal][i], "current")
+        if current and scale(current, "current") != 1.0 and unit[0].isdigit():
+            out[i] = times(scale(current, "current"), unit)
+            name = columns[signal][i]
+            draft.notes.append(f"'{name}' is in {current}: {unit} per A is {out[i]} per {current}.")
+    return out
 
 
 def _unit(

@@ -68,6 +68,12 @@ def pint_unit(text: str, kind: str) -> str:
     return text if len(text) > 1 and _is_of(text, kind) else ""
 
 
+def times(factor: float, unit: str) -> str:
+    """A unit with a number before it, times another number."""
+    number, _, plain = unit.partition("*")
+    return f"{factor * float(number):.9g}*{plain}"
+
+
 def _is_number(text: str) -> bool:
     try:
         return 0.0 < float(text) < float("inf")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-from workbench.core import Disagreement, Identifiability
+from workbench.core import Disagreement, EffectKey, Identifiability
 
 from . import wording as w
 from .json_parts import key_dict, key_dicts
@@ -21,11 +21,33 @@ def told_apart(known: Identifiability | None) -> list[str]:
         f"These recordings can distinguish {counts} from all others, if the effect is 2 % of the "
         "drives' torque."
     ]
+    places = [group for group in known.groups if _differs_in_place(group)]
     lines += [
         f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."
         for group in known.groups
+        if group not in places
     ]
-    return lines
+    return [*lines, *_drive_or_joint(places)]
+
+
+def _differs_in_place(group: Sequence[EffectKey]) -> bool:
+    """Whether a group is one effect of one axis, at its drive and at its joint."""
+    return len(group) > 1 and len({(key.effect, key.axis) for key in group}) == 1
+
+
+def _drive_or_joint(groups: Iterable[Sequence[EffectKey]]) -> list[str]:
+    """One sentence for all effects of the same axes: a drive with a gear has many of them."""
+    axes_of: dict[str, list[str]] = {}
+    for key, *_ in groups:
+        axes_of.setdefault(key.effect, []).append(key.axis or "all axes")
+    effects_of: dict[tuple[str, ...], list[str]] = {}
+    for effect, axes in axes_of.items():
+        effects_of.setdefault(tuple(axes), []).append(w.effect_name(effect))
+    return [
+        f"They cannot tell the drive from the joint of {w.any_of(axes, 'and')} as the place of "
+        f"{w.any_of(effects)}."
+        for axes, effects in effects_of.items()
+    ]
 
 
 def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
