@@ -127,16 +127,20 @@ def noted(reading: Reading) -> tuple[Recording, ...]:
             )
         speed = out[i].controller.velocity
         taken = "read without delay" if speed == "sensor" else "the difference of positions over its period"
-        unsure = f", and the recordings alone do not show how the loop computed it; it is taken as {taken}"
-        sure = f"; the loop's is taken as {taken}, which explains the recordings"
-        line = f"no speed was logged{sure if reading.sure_of_speed else unsure}"
+        if reading.sure_of_speed:
+            line = f"no speed was logged; the loop's is taken as {taken}, which explains the recordings"
+        else:
+            line = (
+                "no speed was logged, and the recordings alone do not show how the loop computed it; "
+                f"it is taken as {taken}"
+            )
         notes.append(f'{line}: state velocity = "{speed}" in [controller] if you know it')
         out[i] = replace(out[i], notes=tuple(notes))
     return tuple(out)
 
 
 def _is_open(model: Model, recording: Recording) -> bool:
-    """Whether something is left open of the law by which torque was asked for, which was not logged."""
+    """Whether the torque is known by a law alone, of which something is left open."""
     controller = recording.controller if recording.controller.kind != "unknown" else model.controller
     reference = recording.get("position_reference")
     if controller.kind != "pd" or reference is None or "velocity" not in recording.derived:
@@ -186,10 +190,7 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[Aske
             Asked(lacking[rows, k], answers[rows, k], drive[rows, k, :0], drive[rows, k]) for k in range(n)
         ]
     weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
-    measured = recording.get("torque_measured")
-    given = required_torque(plant, track, recording.period)
-    given = given if measured is None else measured @ np.linalg.inv(to_actuator)
-    lacking = centred(first) - passed(given)
+    lacking = centred(first) - passed(required_torque(plant, track, recording.period))
     answers = np.stack([centred(x) for x in changed], axis=-1)
     out = []
     for k in range(n):
