@@ -10,7 +10,6 @@ from workbench.models import Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
-from .corrected import down_to, own_damping, own_dry_friction
 from .law import law
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -23,10 +22,10 @@ class AsymmetricFriction(Effect):
 
     name = "asymmetric_friction"
     parameters = Parameters(
-        Parameter("damping_positive", "N*m*s/rad", within=down_to(own_damping), example=0.1),
-        Parameter("damping_negative", "N*m*s/rad", within=down_to(own_damping), example=0.02),
-        Parameter("torque_positive", "N*m", within=down_to(own_dry_friction), example=0.2),
-        Parameter("torque_negative", "N*m", within=down_to(own_dry_friction), example=0.4),
+        Parameter("damping_positive", "N*m*s/rad", example=0.1),
+        Parameter("damping_negative", "N*m*s/rad", example=0.02),
+        Parameter("torque_positive", "N*m", example=0.2),
+        Parameter("torque_negative", "N*m", example=0.4),
         settles=(SLIDING_SPEED,),
     )
     stage = SignalStage.FRICTION

@@ -10,7 +10,6 @@ from workbench.models import Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
-from .corrected import down_to, own_dry_friction
 from .law import law
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -23,7 +22,7 @@ class LoadDependentFriction(Effect):
 
     name = "load_dependent_friction"
     parameters = Parameters(
-        Parameter("torque", "N*m", within=down_to(own_dry_friction), example=0.1),
+        Parameter("torque", "N*m", example=0.1),
         Parameter("ratio", "1", upper=0.9, example=0.15),
         settles=(SLIDING_SPEED,),
     )
