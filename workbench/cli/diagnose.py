@@ -25,6 +25,7 @@ from .common import (
     files_of,
     open_pair,
 )
+from .data_problems import data_problems
 from .deliver import deliver, deliver_sheet
 from .progress import progress, staged
 
@@ -71,8 +72,10 @@ def diagnose(
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
-    result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
-    files, seeds = files_of(loaded, [*data.training, *data.held_out]), {"noise": seed}
+    used = [*data.training, *data.held_out]
+    problems = () if result.verdict == "consistent" else data_problems(loaded, used)
+    result = replace(result, used=data.share, notes=(*problems, *result.notes, *data.notes))
+    files, seeds = files_of(loaded, used), {"noise": seed}
     deliver(
         result,
         json=json,

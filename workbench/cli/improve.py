@@ -27,6 +27,7 @@ from .common import (
     files_of,
     open_pair,
 )
+from .data_problems import data_problems
 from .deliver import deliver
 from .into import Into, IntoOption, check_into
 from .progress import progress, staged
@@ -83,7 +84,8 @@ def improve(
             written.write(force=force)
     except WorkbenchError as error:  # what was found in minutes is still told
         refused = error
-    notes = [*result.notes, *data.notes, *(written.notes if written else ())]
+    problems = data_problems(loaded, [*data.training, *data.held_out]) if result.steps else ()
+    notes = [*problems, *result.notes, *data.notes, *(written.notes if written else ())]
     result = replace(result, used=data.share, notes=tuple(notes))
     deliver(
         result,

@@ -1,0 +1,30 @@
+"""What ``inspect`` finds wrong with recordings, for the reader of a result that takes them as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.core import Recording
+from workbench.models import Model
+
+
+def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """One note a problem: a clock, unit, sign or swap that is wrong looks like physics to everything else.
+
+    Args:
+        model: whose transmission the recordings' coordinates differ by.
+        recordings: what was measured.
+    """
+    from workbench.inspection import inspect
+
+    constant = not model.posture_dependent and len(model.axes) == len(model.joints)
+    found = inspect(recordings, transmission=model.transmission if constant else None)
+    names: dict[str, list[str]] = {}
+    for recording, said in zip(recordings, found.recordings, strict=True):
+        for remark in said.remarks:
+            if remark.severity == "problem":
+                names.setdefault(remark.text.rstrip("."), []).append(recording.name)
+    return tuple(
+        f"{', '.join(of)}: {text}. What is named here may be that: mend it first (workbench inspect)"
+        for text, of in names.items()
+    )
