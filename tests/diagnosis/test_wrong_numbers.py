@@ -14,8 +14,6 @@ from workbench.core import Diagnosis
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model
 
-SPRING = {"bend_stiffness": 6.0, "bend_rest": 0.4}
-
 
 def told(
     folder: Path,
@@ -25,7 +23,7 @@ def told(
     **wrong: float,
 ) -> Diagnosis:
     """A diagnosis of a model with these numbers, of logs of the arm as it is."""
-    machine, model = bench_arm(folder, **true), load_model(bench_arm(folder, "model", **wrong))
+    machine, model = bench_arm(folder, "arm", **true), load_model(bench_arm(folder, "model", **wrong))
     slow = {"log_s": 0.01, "loop_s": 0.001, "positions_alone": True} if positions_alone else {}
     logs = [
         logged(machine, tones, seconds=8.0, resisting=resisting, seed=seed, **slow)
@@ -48,7 +46,7 @@ def test_damping_where_current_was_logged_and_no_speed(tmp_path: Path) -> None:
 
 
 def test_a_spring_that_is_too_stiff(tmp_path: Path) -> None:
-    found = told(tmp_path, true={"bend_stiffness": 2.0, "bend_rest": 0.4}, **SPRING)
+    found = told(tmp_path, true={"bend_stiffness": 2.0, "bend_rest": 0.4}, bend_stiffness=6.0, bend_rest=0.4)
     (finding,) = found.findings
     assert (finding.key.effect, finding.key.axis, finding.model_value) == ("parallel_spring", "bend", 6.0)
     assert finding.total is not None and finding.total.value == pytest.approx(2.0, rel=0.03)
@@ -57,7 +55,7 @@ def test_a_spring_that_is_too_stiff(tmp_path: Path) -> None:
 
 def test_a_spring_that_rests_elsewhere(tmp_path: Path) -> None:
     """A constant torque, which is said to be perhaps that."""
-    found = told(tmp_path, true={"bend_stiffness": 6.0, "bend_rest": 0.5}, **SPRING)
+    found = told(tmp_path, true={"bend_stiffness": 6.0, "bend_rest": 0.5}, bend_stiffness=6.0, bend_rest=0.4)
     (finding,) = found.findings
     assert (finding.key.effect, finding.key.axis) == ("torque_bias", "bend")
     assert finding.parameters["torque"].value == pytest.approx(0.6, rel=0.05)

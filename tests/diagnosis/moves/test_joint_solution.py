@@ -18,6 +18,7 @@ from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.diagnosis.moves.joint_fit import like_others
 from workbench.diagnosis.moves.joint_solution import confirmed
 from workbench.diagnosis.screening.selection import selection_of
+from workbench.diagnosis.screening.stepwise_regression import selected
 from workbench.effects import load_model
 
 _LOOP_UNKNOWN = Controller()
@@ -111,3 +112,17 @@ def test_a_body_at_the_centre_of_a_link_is_not_told_from_its_mass(tmp_path: Path
     (*_, regression) = inverse_dynamics
     (entry,) = [e for e in regression.entries if e.key.effect == "payload_mass"]
     assert like_others(regression, selection_of((entry,), regression)) == {entry.key}
+
+
+def test_torque_constants_of_drives_of_one_make_are_as_many_numbers(tmp_path: Path) -> None:
+    """All give 0.85 of what is measured: no masses, rotors and frictions of all axes."""
+    machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model"))
+    logs = [logged(machine, tones, seconds=4.0, seed=k) for k, tones in enumerate((SLOW, FAST))]
+    scaled = [
+        replace(r, signals=r.signals | {"torque_measured": r.signals["torque_measured"] / 0.85}) for r in logs
+    ]
+    inverse_dynamics = asked(model, scaled, ()).inverse_dynamics
+    assert inverse_dynamics is not None
+    (*_, regression) = inverse_dynamics
+    chosen = {(e.key.effect, e.key.axis) for e in selected(regression).chosen}
+    assert chosen == {("torque_constant_error", axis) for axis in model.axes}
