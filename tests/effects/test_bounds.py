@@ -41,7 +41,7 @@ def test_a_value_that_no_body_can_have_is_refused(effect, parameter) -> None:
     if math.isfinite(parameter.upper):
         beyond.append(parameter.upper + 1.0)
     own = model_value(effect, LEG, Placement.of(LEG, key), {})
-    lower = parameter.lower if own is None else -own
+    lower = parameter.lower if own is None or parameter.lower < 0.0 else -own
     if math.isfinite(lower):
         beyond.append(lower - 1.0)
     for value in beyond:
@@ -62,3 +62,20 @@ def test_a_file_refuses_as_well(tmp_path: Path) -> None:
     file.write_text(file.read_text().replace("0.5", "-0.5"))
     with pytest.raises(InputError, match=r"damping = -0\.5"):
         load_model(str(file))
+
+
+def test_a_spring_may_rest_on_the_other_side_and_friction_lie_below_what_is_stated(tmp_path: Path) -> None:
+    added = run(
+        "add", "leg", "parallel_spring@knee", "stiffness=1", "rest=-0.4", "-o", "new.toml", cwd=tmp_path
+    )
+    assert added.returncode == 0
+    model = tmp_path / "m.xml"
+    model.write_text(
+        '<mujoco><worldbody><body><joint name="j" frictionloss="0.08"/><geom size="0.1"/></body></worldbody>'
+        "</mujoco>"
+    )
+    words = ("add", "m.xml", "stribeck_friction@j", "coulomb=-0.03", "static=0.08", "speed=0.3")
+    assert run(*words, "-o", "less.toml", cwd=tmp_path).returncode == 0
+    load_model(str(tmp_path / "less.toml"))
+    words = ("add", "m.xml", "stribeck_friction@j", "coulomb=-0.09", "static=0.08", "speed=0.3")
+    assert run(*words, "-o", "none.toml", cwd=tmp_path).returncode == 2

@@ -108,13 +108,15 @@ class ClosedLoop(Replay[Loop]):
     def _by_rest(
         self, model: Model, clean: Sequence[Recording], drawn: Sequence[Recording], seeds: Sequence[int]
     ) -> NoiseModel:
-        """The levels of noise, as far as the model's rest tells them better than the recordings alone."""
+        """The levels of noise; where no speed was logged, as the model's rest tells them."""
+        if np.isfinite(self.noise.levels.velocity_std).any():
+            return self.noise
 
         def moved(noise: NoiseModel) -> list[np.ndarray]:
             made = simulate(self._drawn(model, noise, seeds))
             return [run.position - still.position for run, still in zip(made, clean, strict=True)]
 
-        reads = reads_unlogged_speed(model, self.recordings, self.noise)
+        reads = reads_unlogged_speed(model, self.recordings)
         return noise_by_rest(self.noise, self.recordings, clean, drawn, moved if reads else None)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:

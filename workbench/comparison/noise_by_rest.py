@@ -28,10 +28,8 @@ _LEAST = 1e-9  # of what is known: less is not there
 Positions = Sequence[np.ndarray]
 
 
-def reads_unlogged_speed(model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> bool:
-    """Whether loops read a sensor of speed of whose noise the recordings tell nothing."""
-    if np.isfinite(noise.levels.velocity_std).any():
-        return False
+def reads_unlogged_speed(model: Model, recordings: Sequence[Recording]) -> bool:
+    """Whether loops read a sensor of speed that was not logged."""
     experiments = [prepare(r, model) for r in recordings if "velocity" in r.derived]
     return any(e.controller.kind in ("pd", "cascade_pv") and not differentiates(e) for e in experiments)
 

@@ -68,7 +68,10 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             given_in = f" in{in_unit}" if in_unit else ""
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE{given_in}")
         estimate = applied.parameters[name]
-        lower = parameter.lower if own is None else float(low[0])
+        if parameter.within:
+            lower = parameter.bounds(model, place)[0]
+        else:
+            lower = parameter.lower if own is None or parameter.lower < 0.0 else float(low[0])
         lower, upper = max(lower, -MOST), min(parameter.upper, MOST)  # what can be written can be read
         if not (np.isfinite(estimate.value) and lower <= estimate.value <= upper):
             allowed = f"{lower:g} to {upper:g}{in_unit}"
