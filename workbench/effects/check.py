@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import Estimate, InputError
 from workbench.models import MOST, AppliedEffect, Model, Placement, read_model
 
-from .base import is_rotary, model_value
+from .base import is_rotary
 from .catalogue import effect_named
 
 
@@ -57,8 +57,6 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     place, checked = Placement.of(model, key), {}
-    own = model_value(effect, model, place, {})  # what may be taken off: then it may be negative
-    low, high = effect.parameters.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         in_unit = "" if unit == "1" else f" {unit}"
@@ -68,10 +66,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             given_in = f" in{in_unit}" if in_unit else ""
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE{given_in}")
         estimate = applied.parameters[name]
-        if parameter.within:
-            lower = parameter.bounds(model, place)[0]
-        else:
-            lower = parameter.lower if own is None or parameter.lower < 0.0 else float(low[0])
+        lower, _ = parameter.bounds(model, place)  # negative where a number of the model may be less
         lower, upper = max(lower, -MOST), min(parameter.upper, MOST)  # what can be written can be read
         if not (np.isfinite(estimate.value) and lower <= estimate.value <= upper):
             allowed = f"{lower:g} to {upper:g}{in_unit}"

@@ -13,7 +13,6 @@ from workbench.models import (
     Placement,
     drive_tendons,
     own_friction,
-    rotors,
     turned_joint,
 )
 
@@ -99,12 +98,6 @@ def added(effect: str, parameter: str, model: Model, place: Placement) -> float:
 def own_dry_friction(model: Model, place: Placement) -> float:
     """``frictionloss`` [N m or N] that a model's file states in a place, and what was added."""
     return sum(v["torque"] for v in there("coulomb_friction", model, place, own_friction(model)))
-
-
-def own_damping(model: Model, place: Placement) -> float:
-    """Damping [N m s/rad or N s/m] of the drive's own that a model states in a place, and what was added."""
-    own = float(rotors(model)[1][place.index]) if place.location == "actuator" else 0.0
-    return own + added("viscous_damping", "damping", model, place)
 
 
 def down_to(most: Own) -> Callable[[Model, Placement], tuple[float, float]]:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from workbench.models import Model
+from workbench.models import Model, Placement, rotors
 
 from .base import Effect, Search, SignalStage, Words
 from .chain import Build
-from .corrected import AtJoint, down_to, own_damping
+from .corrected import AtJoint, added, down_to
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single
+
+
+def _own(model: Model, place: Placement) -> float:
+    """What the model states of the drive's own, and what was added."""
+    own = float(rotors(model)[1][place.index]) if place.location == "actuator" else 0.0
+    return own + added("viscous_damping", "damping", model, place)
 
 
 class ViscousDamping(Effect):
@@ -18,16 +24,12 @@ class ViscousDamping(Effect):
     name = "viscous_damping"
     parameters = Parameters(
         Parameter(
-            "damping",
-            "N*m*s/rad",
-            about="added to what the model has",
-            within=down_to(own_damping),
-            example=0.15,
+            "damping", "N*m*s/rad", about="added to what the model has", within=down_to(_own), example=0.15
         )
     )
     stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
-    corrects = AtJoint("damping", "damping", own_damping, called="damping")
+    corrects = AtJoint("damping", "damping", _own, called="damping")
     words = Words(
         source="Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994",
         shows="torque residual odd and linear in speed; FRF magnitude at low frequency",
