@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from workbench.core import Recording
-from workbench.models import Model
+
+if TYPE_CHECKING:  # MuJoCo is slow to import, and a shell that completes a word waits for this
+    from workbench.models import Model
 
 
 def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, ...]:
