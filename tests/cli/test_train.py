@@ -70,6 +70,12 @@ def test_a_model_is_approved_once_and_then_trains_only_as_it_was_compared(tmp_pa
     assert done.returncode == 0, done.stderr
     assert "compared with slow" in done.stdout
     assert json.loads((tmp_path / "a" / "config.json").read_text())["record"]["consistent"]
+    # the record says which model it is of, and another one is refused by that
+    short = "train", "reach", "--record", "mine.record.json", "--iterations", 1, *SMALL
+    done = run(*short, "-o", "c", "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0 and json.loads(done.stdout)["model"] == "mine", done.stderr
+    done = run(*short, "--model", "four_bar", "-o", "d", cwd=tmp_path)
+    assert done.returncode == 2 and "the record is of model 'mine', not of 'four_bar'" in done.stderr
     done = run(*train, "--variant", "kin_only", "-o", "b", cwd=tmp_path)
     assert done.returncode == 2 and "not kin_only" in done.stderr
     (tmp_path / "mine.toml").write_text((tmp_path / "mine.toml").read_text() + "# changed\n")

@@ -142,3 +142,10 @@ def test_the_machine_itself_is_never_written_over(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="written over"):
         import_model(_with(file), _DRIVES, tmp_path / "machine.toml", force=True)
     assert file.read_text() == _LEG.format(loop=_LOOPS["bodies"])
+
+
+def test_gravity_as_some_files_round_it_is_said_and_taken(tmp_path: Path) -> None:
+    file = _file(tmp_path, "bodies")
+    file.write_text(file.read_text().replace("<worldbody>", '<option gravity="0 0 -9.806"/><worldbody>'))
+    assert "gravity of 9.806 m/s^2 is taken as 9.81" in contents_of(file).bonds
+    import_model(_with(file), _DRIVES, tmp_path / "own.toml")

@@ -198,6 +198,20 @@ def test_demo_of_a_machine_whose_transmission_changes(tmp_path: Path) -> None:
     assert left["error"] < 1.1 * left["noise_error"]
 
 
+def test_a_shipped_model_by_its_name(tmp_path: Path) -> None:
+    """As any other model: with --virtual, and no folder of the reference leg is called after it."""
+    excite = ["excite", "four_bar", "-o", "plan.toml", "--period", 1, "--periods", 1, "--amplitude", 2]
+    assert run(*excite, cwd=tmp_path).returncode == 0
+    record = ["record", "four_bar", "plan.toml", "-o", "data"]
+    assert "add --virtual" in run(*record, cwd=tmp_path).stderr
+    done = run(*record, "--virtual", *_RUBS, cwd=tmp_path)
+    assert done.returncode == 0 and done.stdout.startswith("Virtual hardware of four_bar"), done.stderr
+    done = run("demo", "four_bar", "plan.toml", "-o", "out", "--hide", "payload_mass", cwd=tmp_path)
+    assert done.returncode == 2 and "it needs mass; give --set mass=VALUE" in done.stderr
+    done = run("demo", "nothing", "--hide", "payload_mass", cwd=tmp_path)
+    assert done.returncode == 2 and "by its file or name" in done.stderr
+
+
 _RUBS = ["--hide", "coulomb_friction@knee", "--set", "torque=0.3"]
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.here import run
 from tests.models.make import MACHINE_XML
 from workbench.core import InputError
 from workbench.effects import load_model
@@ -99,3 +100,10 @@ def test_a_file_of_that_name_comes_first(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     Path("mujoco_menagerie:own.xml").write_text(MACHINE_XML)
     assert load_model("mujoco_menagerie:own.xml").source == Path("mujoco_menagerie:own.xml")
+
+
+def test_import_lists_a_robot_by_its_name(tmp_path: Path) -> None:
+    """What has loops has to go through import, which took names for files."""
+    done = run("import", "robot_descriptions:arm_description", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "joints: pin" in done.stdout

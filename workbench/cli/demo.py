@@ -20,7 +20,7 @@ def demo(
         str,
         typer.Argument(
             metavar="FOLDER|MODEL",
-            help="Folder for recordings, model, page and figures; or a model of your own, its folder by -o.",
+            help="Folder for recordings, model, page and figures; or a model, its folder by -o.",
             autocompletion=complete.models,
         ),
     ] = "demo",
@@ -48,7 +48,7 @@ def demo(
 ) -> None:
     """Hide an effect in virtual hardware, record it, find the effect, add it, and then reveal the truth.
 
-    Of the reference leg, or of a model of your own, with the experiments that you plan to play.
+    Of the reference leg, or of a model that you name, with the experiments that you plan to play.
 
     Example: workbench demo demo --seed 7
 
@@ -67,8 +67,8 @@ def demo(
     own = is_model(output)
     if not own and (experiments or hide or set_):
         raise InputError(
-            "experiments and effects are named for a model of your own",
-            remedy="workbench demo MODEL DESIGN... -o FOLDER, or 'record leg --hide' for the reference leg",
+            f"'{output}' is no model, and experiments and effects are named for one",
+            remedy="give a model, by its file or name: workbench demo MODEL DESIGN... -o FOLDER",
         )
     folder = Path(folder_of_model if own else output)
     if folder.exists() and not force and (not folder.is_dir() or any(folder.iterdir())):

@@ -171,7 +171,9 @@ def import_(
     --joint knee --loop coupler_end:rear_arm_end --foot foot --gear 9
     --rotor-inertia 2e-4 -o my_leg.toml
     """
-    paths = [Path(file) for file in files]
+    from workbench.models import packaged_robot
+
+    paths = [packaged_robot(file) or Path(file) for file in files]
     path = paths[0]
     check_outputs(json, force=force)
     if len(paths) > 1:

@@ -20,9 +20,14 @@ if TYPE_CHECKING:
 
 
 def is_model(name: str) -> bool:
-    """Whether a file is a model, and no CAN configuration: MJCF, URDF, or TOML that names a serial tree."""
+    """Whether a model is meant, and no CAN configuration: MJCF, URDF, TOML with a serial tree, or a name.
+
+    Names are those of shipped models and of robots of other packages; a rig's own name is for whoever asks.
+    """
+    from workbench.models import is_named_model
+
     path = Path(name)
-    if path.suffix.lower() in (".xml", ".urdf"):
+    if path.suffix.lower() in (".xml", ".urdf") or is_named_model(name):
         return True
     if path.suffix.lower() != ".toml" or not path.is_file():
         return False

@@ -32,9 +32,14 @@ def train(
         str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
     ] = "",
     model: Annotated[
-        str,
-        typer.Option("--model", metavar="MODEL", help="The leg's model.", autocompletion=complete.models),
-    ] = "leg",
+        str | None,
+        typer.Option(
+            "--model",
+            metavar="MODEL",
+            help="The limb's model; default: the one that the record is of, else leg.",
+            autocompletion=complete.models,
+        ),
+    ] = None,
     variant: Annotated[
         str | None,
         typer.Option(
@@ -106,7 +111,7 @@ def train(
     from workbench.training.loggers import check_logger
     from workbench.training.machine import make_machine
     from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
-    from workbench.training.record import objections, read_record, record_path, summary
+    from workbench.training.record import model_of, objections, read_record, record_path, summary
     from workbench.training.settings import Settings
     from workbench.training.task_file import load_task, posed
     from workbench.training.tasks import TASKS
@@ -139,7 +144,10 @@ def train(
         raise InputError(
             f"no range is called '{legs}'", remedy=f"choose one of {', '.join(LEG_RANDOMISATION)}"
         )
-    loaded = load_model(model)
+    stated = read_record(Path(record)) if record else None
+    if model is None and record and stated is not None:
+        model = model_of(stated, Path(record))
+    loaded = load_model(model or "leg")
     variant = variant or loaded.variant
     file = Path(record) if record else record_path(loaded)
     known = read_record(file)

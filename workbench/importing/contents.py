@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import declared_couplings
-from workbench.mechanism.parse import declared_loops, finished, parse
+from workbench.mechanism.parse import GRAVITY, declared_loops, finished, parse
 
 from .converted import Beside
 from .opened import opened
@@ -52,6 +52,8 @@ class Contents(Beside):
                 "ball joints of rods, taken as not turning about their own axis: "
                 f"{', '.join(self.round_rods)}"
             )
+        if abs(self.gravity - GRAVITY) > 1e-6:
+            said.append(f"gravity of {self.gravity:g} m/s^2 is taken as {GRAVITY:g}")
         return said
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from workbench.core import Coupling
+from workbench.mechanism.parse import GRAVITY
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +19,7 @@ class Beside:
         motors: joints that motors turn, as far as the file says.
         springs: joints that springs hold where they are.
         said_by: a file beside it that states loops, by name.
+        gravity: downward, as the file has it [m/s^2].
     """
 
     couplings: tuple[Coupling, ...] = ()
@@ -28,6 +30,7 @@ class Beside:
     motors: tuple[str, ...] = ()
     springs: tuple[str, ...] = ()
     said_by: str = ""
+    gravity: float = GRAVITY
 
 
 @dataclass(frozen=True)

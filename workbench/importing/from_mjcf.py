@@ -25,6 +25,7 @@ from .mjcf_bonds import across_rod, coupling, ends, free_joints, motors_of, rest
 
 _KINDS = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 _NEXT_TO_NOTHING = 1e-9  # kg of a link between two joints of one body: SDF knows no link without mass
+_ON_EARTH = 9.75, 9.85  # m/s^2: somewhere on the ground, and what files round it to
 _ARM = 0.1  # m between the points that hold what is welded
 
 
@@ -37,7 +38,8 @@ def convert(file: Path) -> Converted:
     spec = load_with_loops(file)
     with refused("compile it", file):
         m = spec.compile()
-    if not np.allclose(m.opt.gravity, [0.0, 0.0, -GRAVITY]):
+    pull = -float(m.opt.gravity[2])
+    if m.opt.gravity[:2].any() or not _ON_EARTH[0] < pull < _ON_EARTH[1]:
         problem = f"gravity is {m.opt.gravity.tolist()}"
         raise InputError(problem, file=file, column="gravity", remedy=f"make it 0 0 -{GRAVITY}")
     return _Writer(m, file).converted()
@@ -94,6 +96,7 @@ class _Writer:
             motors=tuple(m.joint(j).name for j in moving if motors_of(m, j).size),
             springs=tuple(m.joint(j).name for j in moving if m.jnt_stiffness[j] > 0.0),
             start=resting(m, moving),
+            gravity=-float(m.opt.gravity[2]),
         )
 
     def _name(self, wanted: str, kind: str) -> str:

@@ -111,7 +111,9 @@ def import_model(
             first = (*converted.motors, *converted.springs) if converted else ()
             cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
         chain = ClosedChain(cut)
-        cut = _begun(cut, chain)
+        begun = _begun(cut, chain)
+        if begun is not cut:  # what the file will say is of the posture that the file will say
+            cut, chain = begun, ClosedChain(begun)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(

@@ -9,7 +9,8 @@ from .mjcf import check_mjcf
 from .mjcf_text import MjcfText, differ
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
-from .paths import find_model
+from .packaged import packaged_robot
+from .paths import find_model, is_named_model
 from .read import read_model
 from .schema import MOST
 from .serial import (
@@ -60,6 +61,7 @@ __all__ = [
     "free_joints",
     "friction_leads",
     "inertial_frame",
+    "is_named_model",
     "is_urdf",
     "joint_kinds",
     "limits_left_out",
@@ -71,6 +73,7 @@ __all__ = [
     "model_text",
     "own_constraints",
     "own_friction",
+    "packaged_robot",
     "read_model",
     "rotors",
     "springs",

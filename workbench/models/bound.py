@@ -15,6 +15,7 @@ from workbench.core import InputError
 _IMPORT = (
     "make a model of it: workbench import FILE --drive JOINT... --joint JOINT... --foot SITE -o MODEL.toml"
 )
+_LIMB = "--hold-rest for all that has no motor, as a gripper"
 _LOOP = f'{_IMPORT} (or set active="false" where the loop is not there)'
 _CUT = f"name a frame on either side of the pin that closes it, and {_IMPORT}, with --loop A:B"
 _TENDON = "tendons that hold each other are not supported: take it out of a copy of the file"
@@ -58,7 +59,7 @@ def refuse_constraints(root: ElementTree.Element, file: Path) -> None:
         mimic = joint.find("mimic")
         if mimic is not None:
             problem = f"joint '{joint.get('name')}' follows '{mimic.get('joint')}' (<mimic>)"
-            raise InputError(problem, file=file, column="mimic", remedy=_IMPORT)
+            raise InputError(problem, file=file, column="mimic", remedy=f"{_IMPORT}, and {_LIMB}")
     for node in root:
         if node.tag.endswith("_constraint") or node.tag == "loop_joint":
             raise InputError(

@@ -15,6 +15,11 @@ from workbench.core import InputError
 _PACKAGES = {"robot_descriptions": "robot_descriptions", "mujoco_menagerie": "mujoco-menagerie"}
 
 
+def is_packaged(name: str) -> bool:
+    """Whether a name says which package has the robot."""
+    return name.partition(":")[0] in _PACKAGES
+
+
 def packaged_robot(name: str) -> Path | None:
     """The file of a robot that another package brings, downloaded by that package at its first use.
 

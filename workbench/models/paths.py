@@ -7,7 +7,7 @@ from pathlib import Path
 from workbench.core import InputError
 from workbench.core.paths import models_folder
 
-from .packaged import packaged_robot
+from .packaged import is_packaged, packaged_robot
 
 
 def find_model(path: str | Path) -> Path:
@@ -19,8 +19,8 @@ def find_model(path: str | Path) -> Path:
     given = Path(path)
     if given.is_file():
         return given
-    shipped = models_folder() / f"{given.stem}.toml"
-    if given.suffix in ("", ".toml") and given.parent.name in ("", "models") and shipped.is_file():
+    shipped = _shipped(given)
+    if shipped is not None:
         return shipped
     packaged = packaged_robot(str(path))
     if packaged is not None:
@@ -29,3 +29,16 @@ def find_model(path: str | Path) -> Path:
     raise InputError(
         "no such model file", file=path, remedy=f"give a .toml, .xml or .urdf file, or one of {names}"
     )
+
+
+def is_named_model(name: str) -> bool:
+    """Whether a text is a shipped model's name or a packaged robot's, and nothing else here is called so."""
+    given = Path(name)
+    return not given.exists() and (_shipped(given) is not None or is_packaged(name))
+
+
+def _shipped(given: Path) -> Path | None:
+    """The shipped model of a name; None where there is none."""
+    file = models_folder() / f"{given.stem}.toml"
+    named = given.suffix in ("", ".toml") and given.parent.name in ("", "models")
+    return file if named and file.is_file() else None

@@ -21,6 +21,7 @@ from . import hidden_plate as plate
 from . import hidden_sensing as sensing
 from .machine import AXES, Machine
 from .place import Place
+from .unfit import unfit
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,9 @@ def install(effect: HiddenEffect, machine: Machine) -> None:
     Raises:
         InputError: a parameter is missing or unknown.
     """
-    try:
-        _ALL[effect.effect](machine, effect.place, **effect.parameters)
-    except TypeError as error:
-        raise InputError(
-            f"parameters of '{effect.effect}' do not fit: {error}", remedy="see the catalogue"
-        ) from error
+    if wrong := unfit(effect.effect, _ALL[effect.effect], effect.parameters):
+        raise wrong
+    _ALL[effect.effect](machine, effect.place, **effect.parameters)
 
 
 Installer = Callable[..., None]

@@ -19,6 +19,7 @@ from .friction import Friction
 from .hidden import AT_JOINTS, EFFECTS, OUTSIDERS, WITHOUT_AXIS
 from .machine import Derating, Disturbance, Encoder, Reshaped, SpeedLimit
 from .place import Passive, Place
+from .unfit import unfit
 
 #: Hidden effects that speak of the reference leg's own shape, or of what no mechanism's file says.
 OF_THE_LEG = frozenset(
@@ -141,7 +142,6 @@ def hide(effect: HiddenIn, machine: OwnMachine) -> None:
     if name == "payload_mass" and not machine.mechanism.foot:
         raise InputError(f"{machine.name} has no foot to carry a payload", remedy="name its foot")
     given: dict[str, Any] = dict(effect.parameters)
-    try:
-        _ALL[name](machine, where, **given)  # pyright: ignore[reportArgumentType]  (fields of the same names)
-    except TypeError as error:
-        raise InputError(f"parameters of '{name}' do not fit: {error}", remedy="see the catalogue") from error
+    if wrong := unfit(name, _ALL[name], given):
+        raise wrong
+    _ALL[name](machine, where, **given)  # pyright: ignore[reportArgumentType]  (fields of the same names)

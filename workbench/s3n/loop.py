@@ -21,6 +21,7 @@ from .bound_joints import bound_joints, couple
 from .sdf import HERE, Pose, SdfTree
 from .urdf import read_tree
 
+_LEAST = 1e-12  # kg, of a link that has none
 _POINT = 1e-12  # kg m^2
 _CLOSED = 1e-9  # m, largest gap of a loop that counts as closed
 
@@ -172,8 +173,10 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
         link = links[joint.child]
         here = at.back().then(link.place)
         body = base.add_body(name=link.name, pos=here.at, quat=_quat(here))
-        if link.mass > 0.0:
-            body.explicitinertial, body.mass, body.ipos = True, link.mass, link.centre
+        if (
+            link.mass > 0.0 or joint.coordinates
+        ):  # MuJoCo moves nothing without mass, as links between axes are
+            body.explicitinertial, body.mass, body.ipos = True, max(link.mass, _LEAST), link.centre
             i = solid(link.inertia)
             body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         slide = joint.kind == "prismatic"

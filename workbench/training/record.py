@@ -18,7 +18,7 @@ from workbench.core import InputError, Recording
 from workbench.core.files import write_whole
 from workbench.core.formats import check_format
 from workbench.core.provenance import digest
-from workbench.models import Model
+from workbench.models import Model, read_model
 from workbench.verification import verify
 
 from .settings import library_versions
@@ -125,6 +125,35 @@ def read_record(path: Path) -> dict[str, Any] | None:
     return record
 
 
+def model_of(record: dict[str, Any], path: Path) -> str:
+    """The model that a record is of: the file beside it, else the shipped model, of which it has the names.
+
+    Args:
+        record: as it was read.
+        path: its file.
+
+    Raises:
+        InputError: no such model is there, or several are.
+    """
+    files, beside = set(record["files"]), set[str]()
+    for name in sorted(n for n in files if Path(n).suffix in (".toml", ".xml", ".urdf")):
+        for file in (path.with_name(name), Path(name).stem):
+            try:
+                model = read_model(file)
+            except InputError:  # a tree or mechanism that the model is made of, or a file that is elsewhere
+                continue
+            if set(model.digests()) == files:
+                beside.add(str(file))
+                break
+    if len(beside) == 1:
+        return beside.pop()
+    called = record.get("model") or "another model"
+    raise InputError(
+        f"the record is of '{called}', whose file is not beside it", file=path,
+        remedy="name it: --model FILE, and --record for this file",
+    )  # fmt: skip
+
+
 def objections(record: dict[str, Any] | None, model: Model, variant: str) -> list[str]:
     """Why a model may not train policies by its record; none if it may."""
     if record is None:
@@ -132,7 +161,9 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
     found = []
     now = model.digests()
     stale = sorted(name for name in {*now, *record["files"]} if now.get(name) != record["files"].get(name))
-    if stale:
+    if not {*now} & {*record["files"]}:
+        found.append(f"the record is of model '{record.get('model')}', not of '{model.name}'")
+    elif stale:
         found.append(f"the record is stale: {', '.join(stale)} changed since")
     if record.get("variant") != variant:
         found.append(f"the record is for variant {record.get('variant')}, not {variant}")
