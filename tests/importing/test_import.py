@@ -209,3 +209,19 @@ def test_what_import_made_is_normalised_to_s3n_full_and_agrees_with_check(tmp_pa
     plain = run("normalize", tmp_path / "own.toml", "-o", tmp_path / "k.xml", "--variant", "kin_only")
     said = " ".join(plain.stdout.split())
     assert "Exact" not in said and "drives' inertia" in said and "linkage's inertia" in said
+
+
+def test_the_transmission_is_of_the_posture_that_the_file_says(tmp_path: Path) -> None:
+    """The start is written to six digits; more digits gave another J, where it is steep."""
+    rod = '<child link="rod"/><origin xyz="0 0 0.05"/>'
+    assert rod in urdf_of_a_leg()
+    (tmp_path / "own.urdf").write_text(urdf_of_a_leg().replace(rod, rod.replace("0.05", "0.04")))
+    frames, limits = (("rod_end", "arm_end"),), ((-0.5, 0.5), (0.9, 1.2))
+    mechanism = Mechanism(
+        tmp_path / "own.urdf", ("hip", "motor"), ("hip", "knee"), frames, "toe", limits=limits
+    )
+    import_model(mechanism, MOTORS, tmp_path / "own.toml")
+    model = read_model(tmp_path / "own.toml")
+    assert model.posture_dependent and model.closed_chain is not None
+    chain = ClosedChain(model.closed_chain)
+    np.testing.assert_allclose(model.transmission, chain.jacobian(chain.start[1]), atol=1e-10)

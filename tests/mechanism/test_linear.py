@@ -1,10 +1,13 @@
 """The linear plant is the derivative of the simulation, in time and in frequency."""
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
 
-from workbench.mechanism import linearise, simulate
+from workbench.mechanism import ClosedChain, linearise, simulate
+from workbench.models import read_model
 
 from .chains import NAMES, central, chain, joints_at
 
@@ -65,3 +68,20 @@ def test_state_space_and_frequency_response_are_one_plant() -> None:
     omega = np.array([2.0, 200.0])
     speeds = np.moveaxis(plant.state_space()(1j * omega)[2:], -1, 0)
     np.testing.assert_allclose(speeds, plant.frequency_response(omega), rtol=1e-12)
+
+
+def test_near_a_dead_point_differences_stay_away_from_it() -> None:
+    """Where a drive moves its joint six times as far as itself, a milliradian of it is a large step."""
+    found = closed_chain_of("four_bar")
+    q, rest, step = found.drive_position(np.array([-0.4, 0.25])), np.zeros(2), 1e-5
+    plant = linearise(found, q, INERTIA, DAMPING)
+    ends = [[found.reduced_dynamics(q + way * step * e, rest).gravity for way in (1, -1)] for e in np.eye(2)]
+    slope = np.transpose([(ahead - behind) / (2.0 * step) for ahead, behind in ends])
+    np.testing.assert_allclose(plant.stiffness, -slope, atol=2e-5 * np.abs(slope).max())
+
+
+def closed_chain_of(name: str) -> ClosedChain:
+    """A shipped mechanism without its limits."""
+    mechanism = read_model(name).closed_chain
+    assert mechanism is not None
+    return ClosedChain(replace(mechanism, limits=()))

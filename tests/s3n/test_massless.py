@@ -13,12 +13,13 @@ from workbench.s3n import PostureChain
 
 
 def test_a_link_without_mass_between_two_axes_moves(tmp_path: Path) -> None:
-    """As URDF files split a ball into three joints: the rod turns about a second axis, which it does not use."""
+    """As URDF files split a ball into three joints: the rod has a second axis, which it does not use."""
     text = urdf_of_a_leg().replace(
         '<parent link="crank"/><child link="rod"/>', '<parent link="crank"/><child link="axle"/>'
     )
     held = (
-        '<link name="axle"><inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
+        '<link name="axle"><inertial><mass value="0"/>'
+        '<inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
         '</inertial></link><joint name="axle" type="revolute"><parent link="axle"/><child link="rod"/>'
         '<axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'
     )  # fmt: skip

@@ -78,11 +78,13 @@ def linearise(
     q = np.array(q, float)
     rest = np.zeros(chain.size)
     at = chain.reduced_dynamics(q, rest)
+    # a dead point where drives hardly move and joints do is as far off as one over the square of their ratio
+    step = _STEP / max(1.0, float(np.abs(chain.serial_slope(q)[1]).max())) ** 2
     around = [
-        [w * chain.reduced_dynamics(q + k * _STEP * e, rest).gravity for k, w in _STENCIL]
+        [w * chain.reduced_dynamics(q + k * step * e, rest).gravity for k, w in _STENCIL]
         for e in np.eye(chain.size)
     ]
-    stiffness = -np.sum(around, axis=1).T / _STEP
+    stiffness = -np.sum(around, axis=1).T / step
     return LinearPlant(
         q,
         at.mass + np.diag(np.array(inertia, float)),
