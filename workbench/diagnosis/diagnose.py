@@ -38,10 +38,10 @@ _CARRIED = (
     "behind the drives were not"
 )
 _RESTS = (
-    "the torque bias on {} is the same as that of the model's spring there if it rests {:.3g} from where the "
-    "file has it, in the drive's coordinate"
+    "the torque bias on {} may instead be a wrong rest position of the model's spring there: {:.3g} from the "
+    "file's value, in the drive's coordinate"
 )
-_WEIGHT = "the torque bias on {} may be the weight of a crank or rod in another place, or of another mass"
+_WEIGHT = "the torque bias on {} may instead come from a crank or rod with another mass or centre of mass"
 
 
 def diagnose(

@@ -67,6 +67,14 @@ def sized_phrase(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
     return f"{effect_phrase(key)}{size}"
 
 
+def sized_in_list(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
+    """Return `sized_phrase` for a list: ``"Coulomb friction on the knee drive (0.254 ± 0.003 N m)"``."""
+    size = single_value(parameters).removeprefix(", ").removesuffix(" (95 %)")
+    if size and key.effect in _THINGS:
+        return f"{_THINGS[key.effect]} of {size} {place(key)}"
+    return f"{effect_phrase(key)} ({size})" if size else effect_phrase(key)
+
+
 def any_of(phrases: Sequence[str], word: str = "or") -> str:
     """``"a, b or c"``."""
     return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"

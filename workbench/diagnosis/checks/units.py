@@ -106,8 +106,9 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     meant = " or ".join(name_factors(factor, named=_NAMED[kind]))
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
-        f"possible unit error: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
-        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained; as recorded, {now}",
+        f"possible unit error: `import` guessed the unit of {kind}; with values {factor:.4g} times as large "
+        f"(the factor between {meant}), the model leaves {100 * left:.2g} % of the torque unexplained; "
+        f"as recorded, {now}",
         file=some[0].source, column=f"units.{kind}",
         remedy="state the right unit there and delete guessed_units; if the guess is right, only delete "
             "guessed_units",

@@ -138,10 +138,10 @@ def finding_lines(
     others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
         key, share = others[0]
-        beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
+        beside = f"simpler than {key}, which" if share > step.removed_share else f"the next best, {key},"
         theirs, own = shown(share), shown(step.removed_share)
-        much = f"as much, {own}" if theirs == own else f"{theirs} where this removes {own}"
-        lines.append(f"{beside} removes {much}, on {judges}, each signal in units of its noise")
+        much = f"as much, {own}" if theirs == own else f"{theirs}; this effect removes {own}"
+        lines.append(f"{beside} removes {much} (on {judges}, each signal divided by its noise)")
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
     return (*lines, *filter(None, words), f"typical sign: {effect.words.shows}")
