@@ -28,6 +28,6 @@ def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, .
             if remark.severity == "problem":
                 names.setdefault(remark.text.rstrip("."), []).append(recording.name)
     return tuple(
-        f"{', '.join(of)}: {text}. What is named here may be that: mend it first (workbench inspect)"
+        f"{', '.join(of)}: {text}. This may be the cause of the error; correct it first (workbench inspect)"
         for text, of in names.items()
     )

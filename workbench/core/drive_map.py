@@ -27,7 +27,7 @@ class DriveMap:
     Attributes:
         middle, half: centre and half width of the box (n,) [rad or m].
         powers: of each x in each of K terms (K, n), whole numbers.
-        factors: of the terms, a row a drive (n, K) [rad or m].
+        factors: of the terms, a row per drive (n, K) [rad or m].
     """
 
     middle: np.ndarray

@@ -11,6 +11,7 @@ from typing import Any
 
 from .errors import InputError
 from .text import plain
+from .version import VERSION
 
 #: Whose version may change a number.
 PACKAGES = ("workbench", "numpy", "scipy", "numba", "drake", "mujoco", "pin", "pyarrow")
@@ -41,7 +42,7 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
     found = {"python": platform.python_version()}
     for name in packages:
         try:
-            found[name] = metadata.version(name)
+            found[name] = VERSION if name == "workbench" else metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
     return found

@@ -106,7 +106,7 @@ class Comparison(Shown):
     Attributes:
         model: the model's name.
         axes: axis names.
-        recordings: one entry a recording.
+        recordings: one entry per recording.
         error: root mean square, over axes and over position and torque, of RMSE divided by the
             measured signal's standard deviation, both pooled by samples over all recordings; signals
             that never move are left out.

@@ -64,7 +64,7 @@ def median_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     """Return the same as `explained`, but the length-weighted median over recordings, for trajectories that
     diverge.
 
-    Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
+    Near a gap's resonance two motions are possible; no model predicts which of them a recording shows.
     """
     worst = 1.0
     for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.tests_on_holdout]:

@@ -57,7 +57,7 @@ class Words:
     shows: str
     reveal: str
     mujoco: str
-    needs: str = "to be there once at most"
+    needs: str = "to be present at most once"
 
 
 @dataclass(frozen=True)

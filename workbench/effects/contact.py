@@ -16,7 +16,7 @@ from .parameter import Place, Values
 from .response import Response
 
 #: What a model must have for one to apply.
-NEEDS = "a [ground] table, and to be there once at most"
+NEEDS = "a [ground] table, and to be present at most once"
 
 
 class OnGround(Effect):

@@ -17,7 +17,7 @@ _IMPORT = (
 )
 _LOOP = f'{_IMPORT} (or set active="false" where the loop is not there)'
 _CUT = f"name a frame on either side of the pin that closes it, and {_IMPORT}, with --loop A:B"
-_TENDON = "tendons that hold each other are not supported: take it out of a copy of the file"
+_TENDON = "equalities between tendons are not supported: take it out of a copy of the file"
 #: Equalities that close a loop of bodies, or make a joint follow another.
 LOOPS = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD, mujoco.mjtEq.mjEQ_JOINT
 _KINDS = {

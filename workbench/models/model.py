@@ -27,7 +27,7 @@ VARIANTS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Actuators:
-    """Drives, one entry an axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
+    """Drives, one entry per axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
 
     `inertia` [kg m^2 or kg], `damping` [N m s/rad or N s/m], `torque_limit` [N m or N, inf: none],
     `delay_s` the delay from command to torque [s]. `full_braking` says what a limit that falls with speed

@@ -1,4 +1,4 @@
-"""The serial tree as MuJoCo simulates it, before any effect: one spec, one tendon an axis."""
+"""The serial tree as MuJoCo simulates it, before any effect: one spec, one tendon per axis."""
 
 from __future__ import annotations
 

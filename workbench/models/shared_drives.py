@@ -15,7 +15,7 @@ def shared_drives(
 ) -> tuple[tuple[str, ...], np.ndarray] | None:
     """The drives of an MJCF in which an actuator moves several joints by a fixed tendon; None without one.
 
-    Taken as one drive a joint, it would be another machine, of which every result is wrong.
+    Taken as one drive per joint, it would be another machine, of which every result is wrong.
 
     Args:
         spec: the tree, which compiles.

@@ -59,7 +59,7 @@ class Skeleton:
         """The segments while a recording (or a run of it) moves.
 
         Returns:
-            Times [s], (T,), at most 60 a second, and segments [m], (T, S, 2, 3).
+            Times [s], (T,), at most 60 per second, and segments [m], (T, S, 2, 3).
         """
         most = min(_MOST, len(recording))
         count = int(np.clip(recording.duration * _RATE_HZ, min(_FEWEST, most), most))

@@ -90,7 +90,7 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             raise InputError(
                 f"joint '{joint.name}' is a ball",
                 file=file,
-                remedy="below its base a model has hinge and slide joints only",
+                remedy="a model may have only hinge and slide joints below its base",
             )
         if not joint.name:
             raise InputError("a joint has no name", file=file, remedy="name every joint")

@@ -103,7 +103,7 @@ def windows_of(log: Log, total: float) -> list[Recording]:
 
 
 def _excited(stretch: Stretch) -> np.ndarray | None:
-    """What a window excites, positive numbers an axis and kind; None where too little was measured."""
+    """What a window excites, positive numbers per axis and kind; None where too little was measured."""
     r = stretch.recording
     if np.mean(r.valid) < _WHOLE:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from workbench.core import Diagnosis, EffectKey, Finding, Improvement
+from workbench.core import Diagnosis, Finding, Improvement
 
 from .numbers import interval, number, percent, plain
 from .wording import (
