@@ -1,4 +1,4 @@
-"""What a result was made of: versions, seeds, hashes of the files that went in; never when or where."""
+"""Provenance of a result: versions, seeds and hashes of its input files; no time and no place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PACKAGES = ("workbench", "numpy", "scipy", "numba", "drake", "mujoco", "pin", "p
 
 
 def provenance(files: Iterable[str | Path], seeds: Mapping[str, int] | None = None) -> dict[str, Any]:
-    """The block ``provenance`` of a result's JSON.
+    """Return the block ``provenance`` of a result's JSON.
 
     Files go by their names alone, so that the same inputs give the same bytes wherever they lie.
 
@@ -38,7 +38,7 @@ def provenance(files: Iterable[str | Path], seeds: Mapping[str, int] | None = No
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
-    """Of Python and of those packages that are installed."""
+    """Return the versions of Python and of those packages that are installed."""
     found = {"python": platform.python_version()}
     for name in packages:
         try:
@@ -49,7 +49,7 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
 
 
 def digest(file: str | Path) -> str:
-    """SHA-256 of a file, hexadecimal.
+    """Return the SHA-256 of a file, hexadecimal.
 
     Raises:
         InputError: it cannot be read.
