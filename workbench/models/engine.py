@@ -35,7 +35,7 @@ def refused(act: str, file: Path) -> Iterator[None]:
 
 @contextmanager
 def warned() -> Iterator[list[str]]:
-    """What MuJoCo warns of while it compiles, as a list rather than on the terminal."""
+    """Return MuJoCo's warnings during compilation as a list, not on the terminal."""
     said: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
