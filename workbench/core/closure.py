@@ -154,9 +154,7 @@ class Closure:
         return ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, q, strict=True))
 
     def solve(self, theta: np.ndarray) -> np.ndarray | None:
-        """Solve the dependent coordinates by Newton's method from the guess `theta` (N,); None if the
-        loops do not close.
-        """
+        """Solve for the dependent coordinates from the guess `theta` (N,); None if the loops do not close."""
         theta = theta.copy()
         for _ in range(12):
             self._tree.move(theta)
