@@ -1,4 +1,4 @@
-"""What two encoders an axis say of a robot's gears: compliance, and the clock between the encoders.
+"""What two encoders per axis say of a robot's gears: compliance, and the clock between the encoders.
 
     python analyses/kuka.py data/kuka_kr300/run_A.mat --output out/kuka
 

@@ -37,7 +37,7 @@ class Identified:
     """What recordings gave.
 
     Attributes:
-        drives: one a drive, from the bench.
+        drives: one per drive, from the bench.
         leg: total inertia, from sum and difference modes at alpha = 60 degrees.
         model: Kin-Only with these drives, and with the linkage identified but in no variant yet.
     """

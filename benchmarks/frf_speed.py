@@ -3,9 +3,9 @@
     python benchmarks/frf_speed.py                # 12 axes, 100 periods, 12 experiments
     python benchmarks/frf_speed.py --axes 2 --periods 10
 
-Both get the same recordings in memory. The loops do what one writes first: one transform a period and signal,
-one small inverse, one covariance a line. Two estimates are timed: plain averages of periods, and noise read
-between the lines with leakage taken off, which is the default.
+Both get the same recordings in memory. The loops do what one writes first: one transform per period and
+signal, one small inverse, one covariance per line. Two estimates are timed: plain averages of periods,
+and noise read between the lines with leakage taken off, which is the default.
 """
 
 from __future__ import annotations

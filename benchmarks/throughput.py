@@ -101,7 +101,7 @@ def _closed() -> tuple[str, Standing]:
 
 
 def cpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], float]:
-    """A function that takes `steps` steps of all worlds and gives physics steps a second of one core."""
+    """A function that takes `steps` steps of all worlds and gives physics steps per second of one core."""
     from mujoco.batch import Batch
 
     m = mujoco.MjModel.from_xml_string(xml)

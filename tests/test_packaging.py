@@ -11,6 +11,8 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from workbench.core.version import VERSION
+
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 #: Modules whose distribution goes by another name.
@@ -154,7 +156,7 @@ def test_the_citation_names_the_version() -> None:
     text = (ROOT / "CITATION.cff").read_text()
     [version] = re.findall(r"^version: (.+)$", text, re.M)
     [changelog] = re.findall(r"^## ([\d.]+)$", (ROOT / "CHANGELOG.md").read_text(), re.M)[:1]
-    assert version == PROJECT["version"] == changelog
+    assert version == VERSION == changelog
 
 
 def test_a_wheel_built_from_the_sdist_is_whole_and_runs_outside_of_a_clone(tmp_path: Path) -> None:
@@ -176,7 +178,7 @@ def test_a_wheel_built_from_the_sdist_is_whole_and_runs_outside_of_a_clone(tmp_p
         files = {file.relative_to(ROOT / folder) for file in (ROOT / folder).rglob("*") if file.is_file()}
         files = {file for file in files if "__pycache__" not in file.parts}
         assert len(files) > 10 and all((tmp_path / "site" / inside / file).is_file() for file in files)
-    metadata = (tmp_path / "site" / f"workbench-{PROJECT['version']}.dist-info" / "METADATA").read_text()
+    metadata = (tmp_path / "site" / f"robot_workbench-{VERSION}.dist-info" / "METADATA").read_text()
     assert "Description-Content-Type: text/markdown" in metadata and "License-Expression: MIT" in metadata
     code = (
         "import workbench; from workbench.cli import main; print(workbench.load_model('leg').source); main()"
@@ -191,4 +193,4 @@ def test_a_wheel_built_from_the_sdist_is_whole_and_runs_outside_of_a_clone(tmp_p
     )
     model, said = done.stdout.splitlines()
     assert Path(model) == tmp_path / "site" / "workbench" / "_models" / "leg.toml"
-    assert said == f"workbench {PROJECT['version']}"
+    assert said == f"workbench {VERSION}"

@@ -6,7 +6,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from typer.testing import CliRunner
 from tests.can.make import config, motor
 from workbench.cli.app import app
 from workbench.core import InputError
+from workbench.core.version import VERSION
 
 # they run until they are interrupted, or write a file that is itself for programs
 _OTHERS = {"ui", "show", "can bus", "can motors", "can virtual", "can log"}
@@ -61,7 +61,7 @@ def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
 
 
 def test_the_program_says_its_version() -> None:
-    version = f"workbench {metadata.version('workbench')}\n"
+    version = f"workbench {VERSION}\n"
     assert run("--version").stdout == version
     module = [sys.executable, "-m", "workbench", "--version"]
     assert subprocess.run(module, capture_output=True, text=True, check=True).stdout == version

@@ -85,4 +85,4 @@ def test_every_share_names_its_data(by_holdout: bool) -> None:
     assert [
         f"removes 93.0 % of the squared error above the noise {judged}" in line for line in shares[1:-1]
     ] == ([] if by_holdout else [True])
-    assert "removes 50.0 % where this removes 93.0 %" in shares[-1] and judged in shares[-1]
+    assert "removes 50.0 %; this effect removes 93.0 %" in shares[-1] and judged in shares[-1]

@@ -72,7 +72,9 @@ def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
     done = run("import", file, *words, "--hold-rest")
     assert done.returncode == 0, done.stderr
     said = " ".join(done.stdout.split())
-    assert "Held are left_hip" in said and "right_leaf" in said and "left_crank" not in said.split("Held")[1]
+    assert (
+        "Held joints: left_hip" in said and "right_leaf" in said and "left_crank" not in said.split("Held")[1]
+    )
     model = read_model(tmp_path / "own.toml")
     # the crank and its rod turn with the foot: the drive is the joint, and still the tree is not all
     assert model.posture_dependent and model.transmission.tolist() == [[1.0]]

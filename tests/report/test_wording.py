@@ -77,7 +77,7 @@ def test_verdicts(comparison, diagnosis, improvement):
     )
     assert sentence(partly).endswith(end)
     two = replace(diagnosis, findings=diagnosis.findings * 2)
-    assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")
+    assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive (0.25")
     assert "explains the data to the noise" in sentence(improvement)
     assert "still 3.0 times the noise floor" in sentence(
         replace(improvement, verdict="unexplained", error_after=3 * improvement.noise_error)

@@ -204,7 +204,7 @@ class CanConfig(Table):
         return [motor for motor in self.motor if motor.bus == bus]
 
     def gains(self) -> tuple[list[float], list[float]]:
-        """kp and kd, one an axis."""
+        """kp and kd, one per axis."""
         n = len(self.motor)
         kp, kd = self.loop.kp, self.loop.kd
         return (kp * n if len(kp) == 1 else kp), (kd * n if len(kd) == 1 else kd)

@@ -117,7 +117,7 @@ def add(
 def with_effects(
     model: Any, effect: str | None, values: list[str] | None, diagnosis: str | None
 ) -> tuple[list[Any], Any]:
-    """The effect that is named, or all that a diagnosis found, as they are added, and the model with them.
+    """Return the named effect, or all that a diagnosis found, and the model with them.
 
     Raises:
         InputError: an effect, a place or a value that is none, or a diagnosis without it.
@@ -147,7 +147,7 @@ def with_effects(
 
 
 def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:
-    """The model with the dry friction of its MJCF as soft as MuJoCo's constraint has it there.
+    """Return the model whose dry friction is as soft as MuJoCo's constraint of its MJCF.
 
     Raises:
         InputError: something was given beside it, or the MJCF states no dry friction.
@@ -165,7 +165,7 @@ def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:
 
 
 def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
-    """The model with those of its own properties that a diagnosis settled for the findings that are added.
+    """Return the model with the model settings that a diagnosis fitted together with the added findings.
 
     Raises:
         InputError: the JSON says something else there than a diagnosis does.
@@ -182,7 +182,7 @@ def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
 
 
 def read_findings(path: str) -> list[Any]:
-    """Findings of a diagnosis' JSON as effects.
+    """Return findings of a diagnosis' JSON as effects.
 
     Raises:
         InputError: no such file, not a diagnosis, or one without findings.

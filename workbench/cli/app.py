@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from importlib import metadata
 from typing import Annotated
 
 import typer
 
 from workbench.core import WorkbenchError
+from workbench.core.version import VERSION
 
 from .add import add
 from .approve import approve
@@ -50,7 +50,7 @@ app = typer.Typer(
 
 def _version(asked: bool) -> None:
     if asked:
-        print(f"workbench {metadata.version('workbench')}")
+        print(f"workbench {VERSION}")
         raise typer.Exit
 
 

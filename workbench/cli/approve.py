@@ -37,7 +37,7 @@ def approve(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Check a model and compare it with recordings, and write down how both came out; train asks for it.
+    """Check a model, compare it with recordings, and write the record of both that `train` requires.
 
     Exit 1 where a check failed or the error is more than noise; the record says so too, and train refuses it.
 

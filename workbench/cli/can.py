@@ -27,7 +27,7 @@ can = typer.Typer(
     name="can",
     cls=Listing,
     no_args_is_help=True,
-    help="Buses, drives and their limits, from a configuration. Example: workbench can load robot.toml",
+    help="Show buses, drives and their limits, from a configuration. Example: workbench can load robot.toml",
 )
 
 ConfigArgument = Annotated[

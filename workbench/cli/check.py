@@ -37,7 +37,7 @@ def check(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Hold the serial tree, the closed chain and every S3N variant against each other; exit 1 on a breach.
+    """Compare the serial tree, the closed chain and every S3N variant; exit with 1 if they disagree.
 
     Drake, Pinocchio, MuJoCo and the closed forms of the method are compared over random postures and speeds.
 

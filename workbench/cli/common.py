@@ -85,12 +85,12 @@ QuietOption = Annotated[
 
 
 def echo(text: str, *, err: bool = False) -> None:
-    """Print lines; what strangers named is text and nothing else."""
+    """Print lines; text from files is printed as it is, without markup."""
     typer.echo("\n".join(map(plain, text.split("\n"))), err=err)
 
 
 def read_recordings(paths: Sequence[str]) -> list[Recording]:
-    """Read recordings; each file once.
+    """Return the recordings; each file may be named once.
 
     Raises:
         InputError: one of them is bad, or stands twice.
@@ -103,7 +103,9 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
 
 
 def without_models(paths: Sequence[str]) -> list[str]:
-    """Files without the models among them, as ``*.toml`` finds them; a note on standard error names these."""
+    """Return files without the models among them (as ``*.toml`` finds them); a note on standard error
+    names these.
+    """
     from workbench.recordings import is_model_file
 
     models = [p for p in paths if is_model_file(Path(p))]
@@ -122,7 +124,7 @@ def _each_once(paths: Sequence[str]) -> None:
 
 
 def open_sources(paths: Sequence[str], *, whole: bool = False) -> list[Recording | Log]:
-    """Recordings, and logs in place of those that are too long to be held (none if `whole`); each file once.
+    """Return recordings, and sources for logs too long for the memory (none if `whole`); each file once.
 
     Raises:
         InputError: one of them is bad, or stands twice.
@@ -135,7 +137,7 @@ def open_sources(paths: Sequence[str], *, whole: bool = False) -> list[Recording
 
 
 def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole: bool) -> Excerpts:
-    """Recordings to fit and to judge by, windows in place of long logs unless they are wanted `whole`.
+    """Return recordings to fit and to test; long logs are cut into windows unless `whole` is set.
 
     Raises:
         InputError: one of them is bad, or is given for both.
@@ -155,7 +157,7 @@ def check_outputs(*paths: str | None, force: bool) -> None:
 
 
 def named_values(texts: Sequence[str] | None, option: str, example: str) -> dict[str, str]:
-    """What an option that may be repeated gives each name.
+    """Return the value of each name that a repeatable option gives.
 
     Args:
         texts: ``NAME=VALUE`` each.
@@ -178,7 +180,7 @@ def named_values(texts: Sequence[str] | None, option: str, example: str) -> dict
 
 
 def check_model_output(path: str | None, *, force: bool) -> None:
-    """Refuse a model file that exists, or that would not read back by its name."""
+    """Refuse a model file that exists, or that could not be read back under its name."""
     if path and Path(path).suffix.lower() != ".toml":
         remedy = "call it .toml; --into ROBOT writes numbers into a copy of your .xml or .urdf"
         raise InputError("a model with effects is written as TOML", file=path, remedy=remedy)
@@ -193,7 +195,7 @@ def write_result(
     seeds: Mapping[str, int] | None = None,
     force: bool,
 ) -> None:
-    """Write JSON with what it was made of; a truth that is revealed still comes last."""
+    """Write JSON with its provenance; a revealed truth comes last."""
     from workbench import report
     from workbench.core.provenance import provenance
 
@@ -204,7 +206,7 @@ def write_result(
 
 
 def files_of(model: Model | None, recordings: Sequence[Recording | Log] = ()) -> list[Path]:
-    """All files that model and recordings were read from, each once."""
+    """Return all files that model and recordings were read from, each once."""
     from workbench.recordings import source_files
 
     read = [] if model is None else model.files

@@ -74,7 +74,7 @@ def compare(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Run the model the way each recording was made, and say how far it is from it and from the noise.
+    """Run the model the way each recording was made, and report its error beside the noise floor.
 
     With --gait, of a robot that walks: strides, cycles, E_phi, and the prediction of the swing leg.
 

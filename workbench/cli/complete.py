@@ -1,4 +1,4 @@
-"""What a shell offers for a word that was begun, read from names of files and their text.
+"""Shell completion: what may follow, read from file names and their text.
 
 A shell waits for this at the press of a key, so nothing that is slow to import may be imported here.
 """
@@ -41,7 +41,7 @@ _LARGEST = 2**20  # bytes of a model file that is read for the names of its axes
 
 
 def models(incomplete: str) -> list[str]:
-    """Shipped models, and model files in this folder; files elsewhere are the shell's to complete."""
+    """Return shipped models and model files in this folder; the shell completes other paths."""
     if "/" in incomplete:
         return []
     shipped = sorted(p.stem for p in models_folder().glob("*.toml"))
@@ -50,17 +50,17 @@ def models(incomplete: str) -> list[str]:
 
 
 def effects(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Effects of the catalogue, each in every place on the model that was named."""
+    """Return effects of the catalogue, each in every place of the named model."""
     return _begun(incomplete, _places(_axes(ctx.params.get("model") or "")))
 
 
 def hidden(incomplete: str) -> list[str]:
-    """Effects that the virtual leg may hide."""
+    """Return effects that the virtual leg may hide."""
     return _begun(incomplete, _places(("hip", "knee")))
 
 
 def values(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Parameters of the effect; its axis where the shell parts ``effect@axis`` at the ``@``, as bash does."""
+    """Parameters of the effect; its axis if the shell splits ``effect@axis`` at the ``@``, as bash does."""
     axes, given = _axes(ctx.params.get("model") or ""), list(ctx.params.get("values") or ())
     if incomplete == "@":
         return [_AfterAt(axis) for axis in axes]
@@ -71,14 +71,14 @@ def values(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 class _AfterAt(str):
-    """An axis behind an ``@`` that stays: typer drops what does not begin with the word it was asked for."""
+    """An axis after an ``@`` that stays: typer drops what does not begin with the word it was asked for."""
 
     def startswith(self, *_: Any) -> bool:
         return True
 
 
 def _of(names: Sequence[str]) -> Callable[[str], list[str]]:
-    """Offers those of the names that begin with the word."""
+    """Return those of the names that begin with the word."""
 
     def begun(incomplete: str) -> list[str]:
         return _begun(incomplete, names)
@@ -92,7 +92,7 @@ rigs = _of(RIGS)  # a CAN file is the shell's to complete
 
 
 def experiments(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Experiments of a rig that were not named yet."""
+    """Return experiments of a rig that were not named yet."""
     named = ctx.params.get("experiments") or ()
     known = EXPERIMENTS.get(ctx.params.get("rig") or "", ())
     return _begun(incomplete, [name for name in known if name not in named])
@@ -100,7 +100,7 @@ def experiments(ctx: typer.Context, incomplete: str) -> list[str]:
 
 @cache
 def effect_names() -> dict[str, bool]:
-    """Every effect of the catalogue, and whether it acts on all axes at once.
+    """Return every effect of the catalogue, and whether it acts on all axes at once.
 
     An effect is one file of its name that says so; reading is far quicker than importing them.
     """
@@ -113,7 +113,7 @@ def effect_names() -> dict[str, bool]:
 
 
 def parameter_names(effect: str) -> tuple[str, ...]:
-    """Parameters of an effect, read as `effect_names` reads; none where there is no such effect."""
+    """Return parameters of an effect, read like `effect_names`; none if there is no such effect."""
     if effect not in effect_names():
         return ()
     text = (_EFFECTS / f"{effect}.py").read_text(encoding="utf-8")
@@ -121,7 +121,7 @@ def parameter_names(effect: str) -> tuple[str, ...]:
 
 
 def _places(axes: tuple[str, ...]) -> list[str]:
-    """``effect`` or ``effect@axis``, whichever the effect needs."""
+    """Return ``effect`` or ``effect@axis``, whichever the effect needs."""
     found: list[str] = []
     for name, on_all in effect_names().items():
         found += [name] if on_all or not axes else [f"{name}@{axis}" for axis in axes]
@@ -129,7 +129,7 @@ def _places(axes: tuple[str, ...]) -> list[str]:
 
 
 def _axes(model: str) -> tuple[str, ...]:
-    """The axes that a model's file names; none where it does not say so plainly."""
+    """Return the axes that a model's file names; none if it does not name them plainly."""
     given = Path(model)
     file = given if given.is_file() else models_folder() / f"{given.stem}.toml"
     try:
@@ -146,7 +146,7 @@ def _axes(model: str) -> tuple[str, ...]:
 
 
 def _is_model(file: Path) -> bool:
-    """Whether a file's text looks like a model's; recordings and designs end in .toml as well."""
+    """Return whether a file's text looks like a model's; recordings and designs also end in .toml."""
     try:
         text = file.read_bytes()[:_LARGEST]
     except OSError:

@@ -1,4 +1,4 @@
-"""What ``inspect`` finds wrong with recordings, for the reader of a result that takes them as they are."""
+"""Notes on what ``inspect`` finds wrong with recordings, for results that use these recordings unchanged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ if TYPE_CHECKING:  # MuJoCo is slow to import, and a shell that completes a word
 
 
 def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """One note a problem: a clock, unit, sign or swap that is wrong looks like physics to everything else.
+    """Return one note per problem: a wrong clock, unit, sign or swap looks like physics to everything
+    else.
 
     Args:
         model: whose transmission the recordings' coordinates differ by.
@@ -28,6 +29,6 @@ def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, .
             if remark.severity == "problem":
                 names.setdefault(remark.text.rstrip("."), []).append(recording.name)
     return tuple(
-        f"{', '.join(of)}: {text}. What is named here may be that: mend it first (workbench inspect)"
+        f"{', '.join(of)}: {text}. This may be the cause of the error; correct it first (workbench inspect)"
         for text, of in names.items()
     )

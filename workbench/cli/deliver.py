@@ -1,4 +1,4 @@
-"""Where results go: the terminal, JSON, a page, other tools."""
+"""Delivery of results: the terminal, JSON, a page, other tools."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def deliver(
     truth: Sequence[Mapping[str, Any]] | None = None,
     more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print the table, write JSON, page, MCAP and Rerun's file; `more` is of the JSON alone."""
+    """Print the table, and write JSON, page, MCAP and Rerun's file; `more` goes into the JSON only."""
     from workbench import report
 
     if isinstance(result, Comparison):
@@ -68,6 +68,6 @@ def deliver_sheet(
 
 
 def _made_by(files: Sequence[Path], seeds: Mapping[str, int]) -> dict[str, Any]:
-    """How a page says that it can be made again."""
+    """Return the command line with which a page can be made again."""
     command = shlex.join(["workbench", *sys.argv[1:]])
     return {"command": command, "seeds": seeds, "inputs": files}

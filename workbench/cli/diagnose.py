@@ -59,7 +59,7 @@ def diagnose(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Say which physical effect is missing, how sure, what else it could be, and what to measure next.
+    """Name the missing physical effect, how certain it is, what else it could be, and what to measure next.
 
     Example: workbench diagnose leg chirp_hip.toml slow.toml --holdout validation.toml --json finding.json
     """
@@ -99,4 +99,4 @@ def _draw(result: Diagnosis, path: str, force: bool, quiet: bool) -> None:
     if result.shapes:
         save_figure(shape_figure(result), path, force=force)
     elif not quiet:
-        typer.echo("No shape was drawn: nothing smooth is left that no effect explains.")
+        typer.echo("No shape was drawn: the unexplained torque has no smooth part.")

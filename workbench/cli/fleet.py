@@ -53,7 +53,7 @@ def fleet(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Diagnose many robots from many logs, each with its own, and say where they differ.
+    """Diagnose each of many robots from its own logs, and say where the robots differ.
 
     Each result is kept in FOLDER as soon as it is there; the same command goes on where it was stopped. Exit
     code 1 where a robot could not be diagnosed.

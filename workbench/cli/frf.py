@@ -35,7 +35,7 @@ def frf(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Measured frequency responses with their uncertainty, beside the closed chain's and every variant's.
+    """Estimate frequency responses with uncertainty; compare them with the closed chain and all variants.
 
     Recordings about several postures are told apart by where they were made.
 

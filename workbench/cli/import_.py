@@ -24,7 +24,7 @@ def import_(
             metavar="FILE...",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
             "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops. "
-            "Several logs that are alike are imported one after the other, and asked about once.",
+            "Several similar logs are imported together, and each question is asked once.",
         ),
     ],
     output: Annotated[

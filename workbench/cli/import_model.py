@@ -158,22 +158,22 @@ def import_mechanism(
     for line in contents.bonds:
         echo(f"{line[0].upper()}{line[1:]}.")
     if held:
-        echo(f"Held are {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
+        echo(f"Held joints: {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
         echo(
-            f"Left out are springs, dry friction, and the damping of joints without a drive: {said} N m "
+            f"Not imported: springs, dry friction, and the damping of joints without a drive: {said} N m "
             "s/rad."
         )
     rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
     if rotors:
         said = ", ".join(f"{name} {value:.3g}" for name, value in rotors.items())
-        echo(f"Left out is the armature of joints without a drive: {said} kg m².")
+        echo(f"Not imported: the armature of joints without a drive: {said} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
-            "A parallelogram; to the serial tree its linkage adds "
+            "The mechanism is a parallelogram; its linkage adds to the serial tree: "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )

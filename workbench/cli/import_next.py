@@ -1,4 +1,4 @@
-"""What to do after an import: look at the data alone, then compare, or first mend what is wrong."""
+"""The next step after an import: inspect the data, then compare, or first correct what is wrong."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def next_step(
     short: bool,
     looped: bool,
 ) -> str:
-    """The last line of an import.
+    """Return the last line of an import.
 
     Args:
         description: the recording's TOML.
@@ -47,7 +47,7 @@ def next_step(
 
 
 def _way(remark: Remark, description: Mapping[str, Any]) -> str:
-    """How one problem is mended."""
+    """Return how to correct one problem."""
     column = _column(remark, description)
     if remark.topic == "sign":
         return (
@@ -65,7 +65,7 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
 
 
 def _column(remark: Remark, description: Mapping[str, Any]) -> str:
-    """The column that a remark is most likely about."""
+    """Return the column that a remark is most likely about."""
     columns, axes = description["columns"], list(description["axes"])
     said = remark.text.lower()
     about = remark.value.get("signal") or ("torque_measured" if "torque" in said else "velocity")

@@ -1,4 +1,4 @@
-"""``workbench import`` of a table or log: what was found is shown, what is not known is asked."""
+"""``workbench import`` of a table or log: findings are shown, and what is unknown is asked."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def import_table(
     force: bool = False,
     quiet: bool = False,
 ) -> Answers:
-    """Propose, ask, write, show.
+    """Propose, ask, write, and show.
 
     Returns:
         The answers with what was asked, for logs that are alike.
@@ -92,7 +92,7 @@ def import_several(
     force: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Import logs that are alike: what was asked of one holds for those behind it.
+    """Import similar logs: an answer for one log holds for the following ones.
 
     Args:
         paths: the logs, in order.
@@ -146,7 +146,7 @@ def read_answers(
     model: str | None,
     episode: int | None,
 ) -> Answers:
-    """What the options say.
+    """Return the answers that the options give.
 
     Raises:
         InputError: an option that is not of its form, or a model that cannot be read.
@@ -176,7 +176,7 @@ def read_answers(
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:
-    """The result for programs."""
+    """Return the result for programs."""
     return {
         "format": 1,
         "files": [str(file) for file in written],

@@ -22,7 +22,7 @@ def inspect(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Say what recordings tell about themselves: swapped axes, signs, units, gains, clocks, noise.
+    """Check recordings for swapped axes, wrong signs, units, gains, clocks and noise.
 
     Exit code 1 where something is wrong with them or may be: at a problem or a warning, not at a note.
 

@@ -15,7 +15,7 @@ _ORDER = {"problem": 0, "warning": 1, "note": 2, "ok": 3}
 
 
 def inspection_table(inspection: Inspection) -> Group:
-    """One table a recording, worst remarks first; what is said of several axes stands in one line."""
+    """Return one table per recording, worst remarks first; remarks on several axes share a line."""
     parts: list[Table | Text] = []
     for entry in inspection.recordings:
         table = Table(title=entry.recording, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
@@ -37,7 +37,7 @@ def inspection_table(inspection: Inspection) -> Group:
 
 
 def _alike(remarks: Sequence[Remark]) -> list[list[Remark]]:
-    """Remarks that differ in nothing but their axis, together; in the order of their first."""
+    """Return groups of remarks that differ only in their axis, in the order of their first."""
     groups: dict[tuple[str, str, str], list[Remark]] = {}
     for remark in remarks:
         groups.setdefault((remark.severity, remark.topic, _of_each(remark)), []).append(remark)
@@ -45,7 +45,7 @@ def _alike(remarks: Sequence[Remark]) -> list[list[Remark]]:
 
 
 def _of_each(remark: Remark) -> str:
-    """A remark's sentence with ``each`` in the place of its axis."""
+    """Return a remark's sentence with ``each`` in place of its axis."""
     if remark.axis is None:
         return remark.text
     return remark.text.replace(f"Axis '{remark.axis}'", "Each").replace(f"'{remark.axis}'", "each")

@@ -1,4 +1,4 @@
-"""``--into``: what was found or added, in the numbers of the user's own MJCF or URDF."""
+"""``--into``: results written into the numbers of the user's own MJCF or URDF."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _FOLDERS = {"meshdir", "texturedir", "assetdir"}
 
 
 def check_into(model: Model, into: str, output: str, *, force: bool) -> None:
-    """Refuse, before any work is done, a file that is not the model's, or an output that would not do.
+    """Refuse, before any work is done, a file that is not the model's, or an unsuitable output.
 
     Raises:
         InputError: as it says.
@@ -56,7 +56,7 @@ def check_into(model: Model, into: str, output: str, *, force: bool) -> None:
 
 
 def _beside(text: XmlText) -> str | None:
-    """A file or folder that a document names relative to its own place."""
+    """Return a file or folder that a document names relative to its own folder."""
     for element in text.elements:
         for name, value in element.attributes.items():
             if (name in _FOLDERS or name.startswith("file")) and "://" not in value:
@@ -78,7 +78,7 @@ class Into:
 
     @staticmethod
     def of(given: Model, improved: Model, into: str, output: str) -> Into:
-        """The effects of an improved model in the file that it stands on.
+        """Return the file with the effects of an improved model.
 
         Raises:
             InputError: the file has no number for any of them, or does not become that model.
@@ -99,7 +99,7 @@ class Into:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """What JSON says of it."""
+        """Return the JSON block about it."""
         from workbench.report import effect_dict
 
         return {
@@ -111,7 +111,7 @@ class Into:
 
     @property
     def lines(self) -> list[str]:
-        """What people are told: each number that is new."""
+        """Return the lines that tell the user each new number."""
         name = Path(self.source).name
         if not self.made.changes:
             return [f"Wrote {self.output}: {name} as it is."]
@@ -119,7 +119,7 @@ class Into:
 
     @property
     def notes(self) -> list[str]:
-        """What is not in the copy, and what is to be minded."""
+        """Return notes on what is not in the copy, and what to watch for."""
         out = []
         if self.made.left:
             it = "it" if len({a.key for a in self.made.left}) == 1 else "them"
@@ -156,7 +156,7 @@ def _change_line(change: Change) -> str:
 
 
 def _short(value: float | np.ndarray) -> str:
-    """Four digits of each; what is rounding beside the largest is 0."""
+    """Return four digits of each number; rounding errors beside the largest become 0."""
     rows = np.atleast_2d(value)
     rows = np.where(np.abs(rows) < 1e-9 * np.abs(rows).max(), 0.0, rows)
     return "; ".join(" ".join(f"{v:.4g}" for v in row) for row in rows)

@@ -1,4 +1,4 @@
-"""How ``--help`` lists commands: by what they are for, in the order of the work, no sentence cut short."""
+"""The command list of ``--help``: grouped by purpose, in the order of the work, with whole sentences."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SECTIONS = {
 
 
 class Listing(TyperGroup):
-    """A group whose help shows each command's first sentence whole, under headings if it is the program's."""
+    """A group whose help shows each command's whole first sentence, under headings for the main program."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the sections."""

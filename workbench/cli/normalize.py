@@ -62,7 +62,7 @@ def normalize(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write the S3N-normalised serial tree as plain MJCF, for anybody's training pipeline.
+    """Write the S3N-normalised serial tree as plain MJCF, for any training pipeline.
 
     Without --variant a model that is Kin-Only is written as S3N-Full where it states its linkage. A mechanism
     whose transmission depends on the posture is fitted over its limits; how far the file is off stands in it.

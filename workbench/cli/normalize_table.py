@@ -1,4 +1,4 @@
-"""What a normalised tree has over the user's own, as a table for the terminal."""
+"""Changes of a normalised tree against the user's own, as a table for the terminal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from workbench.s3n.posture_fitted import FittedTree, error_lines
 
 
 def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknown: str) -> Group:
-    """One line a number that changed; what is not in the file; what a free base would feel.
+    """Return one line per changed number, what is not in the file, and the errors on a free base.
 
     Args:
         tree: the normalised tree.

@@ -1,4 +1,6 @@
-"""What is being done, and for how long yet: a line that moves in a terminal, one now and then in a log."""
+"""Progress: what is being done and for how much longer, as a moving line in a terminal, or rare lines in
+a log.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from .heartbeat import current, duration, waiting
 
 @contextmanager
 def progress(quiet: bool) -> Iterator[Any]:
-    """A line that says what is being done, for how long, and how long yet.
+    """Show a line that says what is being done, for how long, and how much time is left.
 
     In a log or a pipe it is a line of standard error now and then (`heartbeat`), and none of what is done
     sooner. What it gives is told a text, and perhaps which part of the whole is done (0 to 1).
@@ -52,7 +54,7 @@ _SHARES = (
 
 
 def staged(tell: Any) -> Any:
-    """A diagnosis' texts, told with the part of it that is done."""
+    """Return the texts of a diagnosis with the share of it that is done."""
     reached = 0.0
 
     def told(text: str) -> None:

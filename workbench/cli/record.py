@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from workbench.frf import Design
     from workbench.rigs import Experiment, HiddenEffect
 
-_RATE = 1000.0  # rows a second, of both rigs
+_RATE = 1000.0  # rows per second, of both rigs
 
 
 def record(

@@ -82,7 +82,7 @@ def virtual_motors(
     if unknown:
         raise InputError(
             f"of {', '.join(unknown.axes)} only the transmission is known", file=config.source,
-            column="mechanism.model", remedy="name the model that virtual motors are to turn",
+            column="mechanism.model", remedy="name the model that the virtual motors drive",
         )  # fmt: skip
     models = [read_model(each.model) for each in config.mechanism]
     if config.bench.rig == "quadruped" or all(map(is_reference_leg, models)):

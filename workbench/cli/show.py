@@ -53,8 +53,8 @@ def show(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write a page with the robot moving and its curves beside it; a bundle runs in the world it was
-    trained in.
+    """Write a page that shows the robot moving beside its curves; a bundle runs in its training
+    simulation.
 
     Example: workbench show runs/reach/bundle.zip -o reach.html
 
@@ -104,7 +104,7 @@ def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list
     curve = read_curve(file.parent) if file.parent.joinpath("config.json").is_file() else []
     if curve:
         over = np.array([row["iteration"] for row in curve])
-        values = {"reward a second": np.array([row.get("reward", np.nan) for row in curve])}
+        values = {"reward per second": np.array([row.get("reward", np.nan) for row in curve])}
         panels.append(Panel("Learning", "iteration", over, values, moves=False))
     scores = ", ".join(f"{name} {value:.4g}" for name, value in done.scores.items())
     fell = "" if done.fell_s is None else f" It fell after {done.fell_s:.2f} s."

@@ -1,4 +1,4 @@
-"""Effects, places and values as one writes them on the command line."""
+"""Effects, places and values as written on the command line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from workbench.core import EffectKey, Estimate, InputError
 
 
 def parse_place(text: str) -> EffectKey:
-    """``effect``, ``effect@axis`` or ``effect@axis(joint)``."""
+    """Return the key of ``effect``, ``effect@axis`` or ``effect@axis(joint)``."""
     name, _, axis = text.partition("@")
     if axis.endswith("(joint)"):
         return EffectKey(name, axis[: -len("(joint)")], "joint")
@@ -18,7 +18,7 @@ def parse_place(text: str) -> EffectKey:
 
 
 def with_values(found: list[Any], values: dict[str, list[float]]) -> list[Any]:
-    """One effect, or several of a kind in one place, with values in place of those that they have.
+    """Return an effect, or several of a kind in one place, with given values in place of its own.
 
     Raises:
         InputError: not as many values as there are of a kind.
@@ -42,7 +42,7 @@ def with_values(found: list[Any], values: dict[str, list[float]]) -> list[Any]:
 
 
 def parse_lists(texts: list[str]) -> dict[str, list[float]]:
-    """``name=value`` words, or ``name=value,value``.
+    """Return numbers by name from ``name=value`` or ``name=value,value`` words.
 
     Raises:
         InputError: not of that form, not a finite number, or a name that stands twice.
@@ -63,7 +63,7 @@ def parse_lists(texts: list[str]) -> dict[str, list[float]]:
 
 
 def parse_values(texts: list[str]) -> dict[str, Estimate]:
-    """``name=value`` words with one number each.
+    """Return one number by name from ``name=value`` words.
 
     Raises:
         InputError: as `parse_lists`, or more numbers than one.

@@ -93,7 +93,7 @@ def score_runs(recordings: Sequence[Recording], runs: Sequence[Recording]) -> tu
 
     Args:
         recordings: measured.
-        runs: simulated, one a recording.
+        runs: simulated, one per recording.
 
     Returns:
         The error, and per recording position and torque RMSE, (2, n); NaN where not compared.

@@ -18,7 +18,7 @@ _MOST = 1e-3  # of a signal's deviation
 class Simulated:
     """A model's runs of recordings, without noise and with it.
 
-    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors. `shifted`, `creeping`: one a
+    `clean`: one per recording. `noisy`: one list per draw. `noise`: the sensors. `shifted`, `creeping`: one a
     recording, from machines that no one would call another (see `ClosedLoop`); none where that is not known.
     """
 

@@ -25,7 +25,7 @@ def locate(
 
     Args:
         errors: recordings with their simulations and noise.
-        noisy: simulations with noise, one list a draw.
+        noisy: simulations with noise, one list per draw.
         units: ``rad`` or ``m`` per axis.
     """
     axes = errors[0].recording.axes

@@ -1,4 +1,4 @@
-"""A file from anywhere may claim any size: reading stops at a bound, and leaves no more than its folder."""
+"""Bounds on reading: a file from anywhere may claim any size, and may only name files inside its folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _HEADROOM = 4 * 2**30  # address space above what is used already; libraries res
 
 @contextmanager
 def bounded(path: Path) -> Iterator[None]:
-    """Whatever a library allocates in here ends in one line, not in a machine that swaps.
+    """Turn an allocation by a library that is too large into a one-line error, instead of a machine that
+    swaps.
 
     Raises:
         InputError: the file needs more memory than a table may.
@@ -43,7 +44,7 @@ def bounded(path: Path) -> Iterator[None]:
 
 
 def too_large(path: Path) -> InputError:
-    """The one line about a file that is too large, or claims to be."""
+    """Return the error for a file that is too large, or claims to be."""
     return InputError(
         f"holds, or claims to hold, more than {MOST_BYTES >> 20} MiB of numbers",
         file=path,
@@ -52,7 +53,7 @@ def too_large(path: Path) -> InputError:
 
 
 def check_fetched(path: Path) -> None:
-    """Raises InputError where a file is what Git LFS leaves in its place until the file itself is fetched."""
+    """Raise InputError if a file is only the placeholder that Git LFS leaves."""
     with path.open("rb") as file:
         if file.read(len(_POINTER)) == _POINTER:
             remedy = "run 'git lfs pull' in its repository"
@@ -62,21 +63,21 @@ def check_fetched(path: Path) -> None:
 
 
 def check_cells(count: int, path: Path) -> None:
-    """Raises InputError where a table would have more cells than are read."""
+    """Raise InputError if a table would have more cells than may be read."""
     if count > MOST_CELLS:
         raise too_large(path)
 
 
 class Readable(Protocol):
-    """What can be read piece by piece."""
+    """A stream that can be read in pieces."""
 
     def read(self, size: int, /) -> bytes:
-        """At most `size` bytes."""
+        """Return at most `size` bytes."""
         ...
 
 
 def read_bounded(stream: Readable, path: Path) -> bytes:
-    """All of a stream, unpacked.
+    """Return a whole stream, unpacked.
 
     Raises:
         InputError: it is longer than a table may be.
@@ -91,7 +92,7 @@ def read_bounded(stream: Readable, path: Path) -> bytes:
 
 
 def inside(folder: Path, path: Path) -> Path:
-    """The path, links followed.
+    """Return the path with links resolved.
 
     Raises:
         InputError: it leads out of the folder.
@@ -109,7 +110,7 @@ def inside(folder: Path, path: Path) -> Path:
 
 
 def _used() -> int:
-    """Address space in use [bytes]; 0 where the system does not say."""
+    """Return the used address space [bytes]; 0 if the system does not tell."""
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[0])
     except (OSError, ValueError, IndexError):

@@ -1,4 +1,6 @@
-"""What drives carry that is no tree of theirs: known by the torque that it needs along a motion."""
+"""Linkage parts that drives carry and that are not in the serial tree: the torque they need along a
+motion.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,8 @@ class Carried(Protocol):
     joints: tuple[str, ...]
 
     def at(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> CarriedMotion:
-        """What the links do and need along a motion of the drives (N, n), without what rotors need.
+        """Return motion and torque of the links along a motion of the drives (N, n), without those of
+        rotors.
 
         Raises:
             SimulationError: drives far from where the links can go.

@@ -1,4 +1,4 @@
-"""The loops solved for the dependent coordinates of a tree, once its independent ones are given.
+"""Closed loops: the dependent coordinates of a tree, solved for given independent ones.
 
 With independent coordinates q and dependent ones d, and the gaps phi(theta) of all loops,
 
@@ -45,7 +45,7 @@ class _Tree(Protocol):
 
 @dataclass(frozen=True)
 class BoundJoints:
-    """Couplings as equations in the coordinates of a tree, zero where they hold.
+    """Couplings as equations in the coordinates of a tree, zero when they are met.
 
     Attributes:
         pairs: each coupling, the coordinate that follows, and the one followed (None: it is held).
@@ -55,17 +55,17 @@ class BoundJoints:
 
     @staticmethod
     def of(couplings: Sequence[Coupling], place: Callable[[str], int]) -> BoundJoints:
-        """Those of a tree; `place` says which coordinate a joint is."""
+        """Return the couplings of a tree; `place` gives the coordinate of a joint."""
         return BoundJoints(
             tuple((c, place(c.joint), place(c.follows) if c.follows else None) for c in couplings)
         )
 
     def gap(self, theta: np.ndarray) -> np.ndarray:
-        """How far each joint is from where it has to be (k,) [rad or m]."""
+        """Return the distance of each joint from its required position (k,) [rad or m]."""
         return np.array([theta[a] - c.at(0.0 if b is None else theta[b])[0] for c, a, b in self.pairs])
 
     def jacobian(self, theta: np.ndarray) -> np.ndarray:
-        """d gap / d theta (k, N)."""
+        """Return d gap / d theta (k, N)."""
         rows = np.zeros((len(self.pairs), len(theta)))
         for row, (c, a, b) in zip(rows, self.pairs, strict=True):
             row[a] = 1.0
@@ -74,7 +74,7 @@ class BoundJoints:
         return rows
 
     def bias(self, theta: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """Second derivative of the gap at zero acceleration (k,)."""
+        """Return the second derivative of the gap at zero acceleration (k,)."""
         bends = (0.0 if b is None else -c.at(theta[b])[2] * rates[b] ** 2 for c, _, b in self.pairs)
         return np.fromiter(bends, float, len(self.pairs))
 
@@ -101,7 +101,7 @@ class Posture:
 
 
 class Closure:
-    """The loops of `tree`, solved for all coordinates but `independent`.
+    """The loops of `tree`, solved for all coordinates except `independent`.
 
     Args:
         tree: the cut mechanism; it is moved about.
@@ -119,7 +119,7 @@ class Closure:
         self._start = self._last = self._posture(np.array(start, float))
 
     def at(self, q: np.ndarray) -> Posture:
-        """The closed posture at independent coordinates `q` (n,); the tree is left there.
+        """Return the closed posture at independent coordinates `q` (n,); the tree stays in that posture.
 
         Raises:
             SimulationError: the loops cannot be closed there.
@@ -132,7 +132,7 @@ class Closure:
         return self._last
 
     def regular(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """theta (N,), L (N, n) and the pseudo-inverse of phi_d (N - n, 3 m) at `q` (n,).
+        """Return theta (N,), L (N, n) and the pseudo-inverse of phi_d (N - n, 3 m) at `q` (n,).
 
         Raises:
             SimulationError: the loops cannot be closed there, or are at a dead point.
@@ -143,18 +143,18 @@ class Closure:
         return posture.theta, posture.slope, posture.inverse
 
     def gamma(self, inverse: np.ndarray) -> np.ndarray:
-        """Acceleration of the tree (N,) at zero acceleration of q, at the tree's posture and speed."""
+        """The acceleration of the tree (N,) at zero acceleration of q, at its current posture and speed."""
         gamma = np.zeros(len(self._last.theta))
         gamma[self.dependent] = -inverse @ self._tree.gap_bias()
         return gamma
 
     def say(self, q: np.ndarray) -> str:
-        """The independent coordinates by name, for messages."""
+        """Return the independent coordinates with their names, for messages."""
         names = [self._tree.names[i] for i in self.independent]
         return ", ".join(f"{name} = {value:.4g}" for name, value in zip(names, q, strict=True))
 
     def solve(self, theta: np.ndarray) -> np.ndarray | None:
-        """Newton over the dependent coordinates from the guess `theta` (N,); None if it does not close."""
+        """Solve for the dependent coordinates from the guess `theta` (N,); None if the loops do not close."""
         theta = theta.copy()
         for _ in range(12):
             self._tree.move(theta)
@@ -172,7 +172,7 @@ class Closure:
         return None
 
     def _reach(self, q: np.ndarray) -> Posture:
-        """From the last posture if that is near, else from the start; if that fails, round corners."""
+        """Solve from the last posture if it is near, otherwise from the start; if that fails, by detours."""
         if self._start.slope is None and not np.array_equal(q, self._start.q):
             where = self.say(self._start.q)
             raise SimulationError(f"the start posture is a dead point, {where}: give another")
@@ -188,7 +188,7 @@ class Closure:
         raise SimulationError(f"the loops cannot be closed at {self.say(q)}")
 
     def _follow(self, origin: Posture, q: np.ndarray) -> Posture | None:
-        """Along L, in steps short enough for the prediction to be good."""
+        """Follow the solution along L, in steps short enough for a good prediction."""
         posture, slope, done, step = origin, origin.slope, 0.0, 1.0
         while done < 1.0:
             target = q if done + step >= 1.0 else origin.q + (done + step) * (q - origin.q)
@@ -205,7 +205,7 @@ class Closure:
         return posture
 
     def _step(self, posture: Posture, slope: np.ndarray | None, q: np.ndarray) -> Posture | None:
-        """One step of the way, or None where the prediction was too poor to be sure of the branch."""
+        """Return one step of the path, or None if the prediction was too poor to stay on the branch."""
         if slope is None:
             return None
         predicted = posture.theta + slope @ (q - posture.q)
@@ -238,7 +238,7 @@ class Closure:
 
 
 def _routes(origin: np.ndarray, q: np.ndarray) -> Iterator[list[np.ndarray]]:
-    """Straight, then one coordinate after the other: a workspace need not be convex."""
+    """Return paths: straight, then one coordinate at a time (a workspace need not be convex)."""
     yield [q]
     for order in (range(len(q)), range(len(q) - 1, -1, -1)):
         corner, corners = origin.copy(), []

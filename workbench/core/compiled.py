@@ -1,4 +1,5 @@
-"""Functions as machine code, kept on disk in a folder whose name is a hash of all files with such functions.
+"""Functions compiled to machine code, kept on disk in a folder named by a hash of all files with such
+functions.
 
 numba keeps the code of a caller and does not see that a function of another file, which is part of it, has
 changed. After such a change the folder is another one.
@@ -36,7 +37,7 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any
 
 @contextmanager
 def kept() -> Iterator[None]:
-    """Where numba keeps code of functions that are declared in here."""
+    """Return the folder where numba keeps the code of functions declared here."""
     before, config.CACHE_DIR = config.CACHE_DIR, str(folder())
     try:
         yield
@@ -46,7 +47,7 @@ def kept() -> Iterator[None]:
 
 @cache
 def folder() -> Path:
-    """The folder of the code as it is now; what is left of other code goes after a week."""
+    """Return the folder of the current code; code of other versions is deleted after a week."""
     digest = sha256()
     for file in sorted(f for name in _WHERE for f in (_PACKAGE / name).rglob("*.py")):
         text = file.read_bytes()

@@ -1,4 +1,6 @@
-"""Several of a kind in one place, as harmonics of a ripple: one row in files, its numbers lists."""
+"""Several effects of a kind in one place, such as harmonics of a ripple: one row in files, with lists of
+numbers.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ _PLACE = ("effect", "axis", "location")
 
 
 def together(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of effects, with those of a kind in one place as one: ``{"value": [...], "std": [...]}``.
+    """Return rows of effects, with those of a kind in one place merged: ``{"value": [...], "std":
+    [...]}``.
 
     Args:
         rows: mappings with ``effect``, ``axis`` and ``location`` (either may be missing), ``parameters``: a
@@ -40,7 +43,7 @@ def together(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def apart(row: Mapping[str, Any]) -> list[tuple[EffectKey, dict[str, Estimate]]]:
-    """The effects of a row: one, or as many as its lists have numbers, in their order.
+    """Return the effects of a row: one, or one for each number of its lists, in their order.
 
     Raises:
         ValueError: lists of different lengths, or a list beside a plain number.
@@ -60,7 +63,7 @@ def apart(row: Mapping[str, Any]) -> list[tuple[EffectKey, dict[str, Estimate]]]
 
 
 def _listed(parameter: Any) -> tuple[list[float], list[float], str]:
-    """Values, deviations (null, infinity in JSON's words, where the data leave one open) and unit."""
+    """Return values, deviations (null or JSON infinity where the data leave one open) and unit."""
     if not isinstance(parameter, Mapping):
         parameter = {"value": parameter}
     value, std = parameter["value"], parameter.get("std", 0.0)

@@ -1,4 +1,4 @@
-"""A joint of a mechanism that follows another, as through a belt or gears, or is held where it is."""
+"""A joint of a mechanism that follows another, as through a belt or gears, or is held at a position."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Coupling:
     polynomial: tuple[float, ...]
 
     def at(self, position: float) -> tuple[float, float, float]:
-        """Where the joint is with the other at `position`, and the first and second derivative of that."""
+        """The joint's position and its first and second derivative, with the other joint at `position`."""
         value = slope = bend = 0.0
         for factor in reversed(self.polynomial):
             bend = 2.0 * slope + position * bend
@@ -35,7 +35,7 @@ class Coupling:
 
 
 def declared_couplings(file: Path) -> tuple[Coupling, ...]:
-    """Joints that follow others by the file's own word: ``<mimic>`` of a URDF or SDF.
+    """Return joints that follow others according to the file: ``<mimic>`` of a URDF or SDF.
 
     Raises:
         InputError: the file is no XML, or a ``<mimic>`` has no joint or a number that is none.
@@ -48,7 +48,7 @@ def declared_couplings(file: Path) -> tuple[Coupling, ...]:
 
 
 def couplings_in(root: ElementTree.Element, file: Path) -> tuple[Coupling, ...]:
-    """The same of the file's XML."""
+    """Return the same from the file's XML."""
     return tuple(
         _mimic(joint.get("name", ""), mimic, file)
         for joint in root.iter("joint")

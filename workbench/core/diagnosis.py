@@ -1,4 +1,4 @@
-"""What diagnosing returns: frozen values, made to be read, drawn and written as JSON."""
+"""The result of diagnosing: frozen values that can be read, drawn and written as JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class EffectKey:
-    """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint.
+    """The name of an effect, the axis it acts on (None: all axes), and whether at its drive or its joint.
 
     `copy`: which one of several in one place, as harmonics of a ripple are. `site`: the MJCF site that it
     hangs on, for the reader; two keys are equal whatever it is. None where there is none or it is not known.
@@ -44,7 +44,7 @@ class EffectKey:
         return place if self.copy == 1 else f"{place}#{self.copy}"
 
     def same_place(self, other: EffectKey) -> bool:
-        """Whether it is the same effect in the same place, be it another copy."""
+        """Return whether it is the same effect in the same place, possibly another copy of it."""
         return replace(self, copy=other.copy) == other
 
 
@@ -81,7 +81,8 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):
-    """Which physical effect is missing, how sure, what else it could be, what to measure next.
+    """The missing physical effects, how certain they are, what else they could be, and what to measure
+    next.
 
     Attributes:
         model: the model's name.
@@ -143,7 +144,7 @@ class Diagnosis(Shown):
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What recordings can tell apart of small effects, before anything is searched.
+    """Which small effects the recordings can tell apart, computed before any search.
 
     Attributes:
         separable: effects that each differ from any other.
@@ -159,13 +160,13 @@ class Identifiability:
 
     @property
     def count(self) -> int:
-        """Of all effects in all places."""
+        """Return the number of effects in all places."""
         return len(self.separable) + len(self.not_excited) + sum(map(len, self.groups))
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Recordings that an effect explains one by one but not all with one size of it.
+    """Recordings that an effect explains one at a time, but not together with one size.
 
     Attributes:
         recordings: their names.
@@ -182,7 +183,7 @@ class Disagreement:
 
 @dataclass(frozen=True)
 class Tried:
-    """One thing that a search tried, and what came of it.
+    """One attempt of a search, and its outcome.
 
     Attributes:
         move: what was tried, in words.

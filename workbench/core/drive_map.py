@@ -1,4 +1,5 @@
-"""Where drives are while the joints move, of a transmission that changes with the posture: polynomials.
+"""Drive positions as a function of joint positions, for transmissions that change with the posture:
+polynomials.
 
     q_p = f(q_s),   J(q_s) = d f / d q_s,   q_p' = J q_s',   tau_p = J^-T tau_s
 
@@ -27,7 +28,7 @@ class DriveMap:
     Attributes:
         middle, half: centre and half width of the box (n,) [rad or m].
         powers: of each x in each of K terms (K, n), whole numbers.
-        factors: of the terms, a row a drive (n, K) [rad or m].
+        factors: of the terms, a row per drive (n, K) [rad or m].
     """
 
     middle: np.ndarray
@@ -37,28 +38,28 @@ class DriveMap:
 
     @staticmethod
     def of(table: Mapping[str, Any]) -> DriveMap:
-        """From what `table` gives."""
+        """Return the map that `table` describes."""
         return DriveMap(
             np.array(table["middle"], float), np.array(table["half"], float),
             np.array(table["powers"], int), np.array(table["factors"], float),
         )  # fmt: skip
 
     def table(self) -> dict[str, Any]:
-        """As JSON holds it."""
+        """Return the map as JSON stores it."""
         return {name: getattr(self, name).tolist() for name in ("middle", "half", "powers", "factors")}
 
     def jacobian(self, joints: Array, xp: Any = np) -> Array:
-        """J (..., n, n) at joint positions (..., n)."""
+        """Return the Jacobian J (..., n, n) at joint positions (..., n)."""
         return self._terms(self._inside(joints, xp), xp)[1]
 
     def drives(self, joints: Array, xp: Any = np) -> Array:
-        """Drive positions (..., n) at joint positions (..., n)."""
+        """Return drive positions (..., n) at joint positions (..., n)."""
         inside = self._inside(joints, xp)
         value, slope = self._terms(inside, xp)
         return value + (slope @ (joints - inside)[..., None])[..., 0]
 
     def joints(self, drives: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
-        """Joint positions (..., n) at drive positions (..., n), by Newton's method.
+        """Return joint positions (..., n) at drive positions (..., n), by Newton's method.
 
         Where the drives are where no joint can bring them, the best that the steps came to.
 
@@ -78,11 +79,11 @@ class DriveMap:
         return q
 
     def drive_torque(self, joints: Array, torque: Array, xp: Any = np) -> Array:
-        """Torques of the drives (..., n) that make those of the joints (..., n): J^-T tau_s [N m]."""
+        """Return drive torques (..., n) equivalent to joint torques (..., n): J^-T tau_s [N m]."""
         return xp.linalg.solve(self.jacobian(joints, xp).mT, torque[..., None])[..., 0]
 
     def joint_speed(self, joints: np.ndarray, drives: np.ndarray) -> np.ndarray:
-        """Joint speeds (..., n) of those of the drives (..., n), at joint positions (..., n)."""
+        """Return joint speeds (..., n) from drive speeds (..., n), at joint positions (..., n)."""
         return np.linalg.solve(self.jacobian(joints), drives[..., None])[..., 0]
 
     def _inside(self, joints: Array, xp: Any) -> Array:
@@ -93,7 +94,7 @@ class DriveMap:
         return xp.minimum(xp.maximum(joints, low), high)
 
     def _terms(self, joints: Array, xp: Any) -> tuple[Array, Array]:
-        """Drive positions (..., n) and J (..., n, n) inside the box."""
+        """Return drive positions (..., n) and J (..., n, n) inside the box."""
         half = self._put(self.half, joints, xp)
         x = (joints - self._put(self.middle, joints, xp)) / half
         most = int(self.powers.max(initial=0))

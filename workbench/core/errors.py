@@ -1,4 +1,4 @@
-"""One root for every error that a user can cause or meet."""
+"""The root of every error that a user can cause or meet, and its kinds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _LONGEST = 1200  # characters; a name in a file may be of any length
 
 
 class WorkbenchError(Exception):
-    """Root of all errors raised on purpose; its text is one clear line, whatever stands in a file."""
+    """Root of all errors raised on purpose; its text is one clear line, whatever a file contains."""
 
     exit_code = 2
 
@@ -21,7 +21,7 @@ class WorkbenchError(Exception):
 
 
 class InputError(WorkbenchError):
-    """Something handed in is wrong: says where it is and what to do about it.
+    """An input is wrong: the message says where it is and what to do about it.
 
     Args:
         problem: what is wrong, in one clause.
@@ -52,4 +52,4 @@ class InputError(WorkbenchError):
 
 
 class SimulationError(WorkbenchError):
-    """A simulation became unstable or could not run: says which model, recording, time and value."""
+    """A simulation became unstable or could not run: the message names model, recording, time and value."""

@@ -1,4 +1,6 @@
-"""Output appears whole or not at all, and nothing is overwritten unasked; what cannot be read is said."""
+"""Files: output appears whole or not at all, nothing is overwritten unasked, and unreadable input is
+reported.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from .unfinished import finish, place
 
 
 def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> Path:
-    """Write `data` to `path` by way of a hidden folder beside it and a rename.
+    """Write `data` to `path` through a hidden folder beside it and a rename.
 
     The folder of `path` is made if need be; text is written as UTF-8.
 
@@ -32,7 +34,7 @@ def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> 
 
 
 def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list[Path]:
-    """Write files that belong together, all of them or none; they lie in one folder.
+    """Write files of one folder that belong together, all of them or none.
 
     Whatever goes wrong before the last byte is on the disk leaves what was there before. An interrupt waits
     until all are in their places. A process that is killed leaves at most one hidden folder behind, which
@@ -68,7 +70,7 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
 
 @contextmanager
 def saying(file: str | Path) -> Iterator[None]:
-    """What the disk refuses in here is told of this file.
+    """Report errors of the disk inside this block with the name of this file.
 
     Raises:
         InputError: in place of an `OSError`.
@@ -80,7 +82,7 @@ def saying(file: str | Path) -> Iterator[None]:
 
 
 def _written(path: Path, data: str | bytes) -> Path:
-    """A file with this content, on the disk when this returns."""
+    """Return a file with this content, which is on the disk when this returns."""
     with path.open("wb") as stream:
         stream.write(data.encode() if isinstance(data, str) else data)
         stream.flush()
@@ -90,7 +92,7 @@ def _written(path: Path, data: str | bytes) -> Path:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """An interrupt in here is raised at its end; only the main thread gets any."""
+    """Delay an interrupt to the end of this block; only the main thread receives interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -108,7 +110,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def read_file(path: Path) -> bytes:
-    """The content of a file.
+    """Return the content of a file.
 
     Raises:
         InputError: it cannot be read.
@@ -121,7 +123,7 @@ def read_file(path: Path) -> bytes:
 
 
 def read_toml(path: Path, remedy: str = "correct that line") -> dict[str, Any]:
-    """The table of a TOML file.
+    """Return the table of a TOML file.
 
     Raises:
         InputError: it cannot be read, or is no TOML; then with this `remedy`.
@@ -133,7 +135,7 @@ def read_toml(path: Path, remedy: str = "correct that line") -> dict[str, Any]:
 
 
 def check_free(path: str | Path, *, force: bool) -> None:
-    """Refuse an output that exists already, before any work is done for it.
+    """Refuse an output that exists already, before any work is done.
 
     Raises:
         InputError: the path exists and `force` is not set, or it is a folder.

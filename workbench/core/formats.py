@@ -1,4 +1,4 @@
-"""Files carry the number of their format; one from the future is refused by saying so."""
+"""Format numbers of files; a file of a future format is refused."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .errors import InputError
 
 
 def check_format(content: Any, known: int, file: str | Path) -> None:
-    """Refuse what a newer version wrote, before its unknown keys are taken for mistakes.
+    """Refuse a file of a newer version, before its unknown keys are reported as mistakes.
 
     A number that is missing or below is left to the file's own grammar: old files keep loading.
 

@@ -1,4 +1,4 @@
-"""What improving returns: a model's way to one that explains the data."""
+"""The result of improving: the steps from a model to one that explains the data."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ class Step:
 
 @dataclass(frozen=True, repr=False)
 class Improvement(Shown):
-    """The whole way from a model to one that explains the data; what its diagnosis has too is as there.
+    """All steps from a model to one that explains the data; fields shared with its diagnosis mean the
+    same.
 
     Attributes:
         steps: effects added, in order: causes, or, where `nearest`, what comes nearest to unknown ones.
@@ -50,7 +51,7 @@ class Improvement(Shown):
 
     @property
     def kept(self) -> tuple[Step, ...]:
-        """The steps whose effects the last model has: those that no later step made needless."""
+        """Return the steps whose effects the last model has: those that no later step made needless."""
         return tuple(
             step
             for i, step in enumerate(self.steps)

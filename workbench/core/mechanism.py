@@ -1,4 +1,4 @@
-"""What has to be said about a closed chain beside its SDF or URDF file."""
+"""What must be stated about a closed chain beside its SDF or URDF file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .coupling import Coupling, declared_couplings
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A mechanism with loops: the tree in the file, and where its loops close.
+    """A mechanism with loops: the tree in the file, and the places where its loops close.
 
     Attributes:
         file: SDF or URDF of the tree that is left when every loop is cut.
@@ -34,7 +34,7 @@ class Mechanism:
     couplings: tuple[Coupling, ...] = ()
 
     def all_couplings(self) -> tuple[Coupling, ...]:
-        """Those named here, then those of the file for other joints.
+        """Return the couplings named here, then those of the file for other joints.
 
         Raises:
             InputError: the file cannot be read, or a ``<mimic>`` in it is none.

@@ -1,4 +1,4 @@
-"""Packages that not everybody has: what needs one says so in one line."""
+"""Optional packages: a command that needs a missing one says so in one line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .errors import InputError
 
 
 def need(module: str, what: str, package: str, install: str, file: str | Path | None = None) -> None:
-    """Refuse what cannot be done without a package, before any work is done for it.
+    """Refuse work that needs a missing package, before any of it is done.
 
     Args:
         module: what is imported.

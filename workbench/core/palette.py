@@ -1,4 +1,4 @@
-"""Colours and line styles of all pictures, in one place: what is measured looks the same everywhere.
+"""Colours and line styles of all pictures, in one place, so that measured data look the same everywhere.
 
 Okabe and Ito's palette, which people with any kind of colour vision tell apart; lines differ in dash too, so
 that a grey printer loses nothing.
@@ -28,7 +28,7 @@ COLOURS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Line:
-    """How a curve looks: name of its colour, dashes and gaps [points] (none: solid), width [points]."""
+    """The style of a curve: name of its colour, dashes and gaps [points] (none: solid), width [points]."""
 
     colour: str
     dash: tuple[float, ...] = ()
@@ -36,11 +36,11 @@ class Line:
 
     @property
     def light(self) -> str:
-        """Its colour on light paper."""
+        """Return its colour on light paper."""
         return COLOURS[self.colour][0]
 
     def drawn(self) -> dict[str, Any]:
-        """As keyword arguments of matplotlib's lines."""
+        """Return keyword arguments for matplotlib's lines."""
         return {"color": self.light, "lw": self.width, "ls": (0, self.dash) if self.dash else "-"}
 
 

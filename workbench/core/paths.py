@@ -1,4 +1,4 @@
-"""Where the shipped models are: beside the package in a clone, inside it in an installed wheel."""
+"""The folder of the shipped models: beside the package in a clone, inside it in an installed wheel."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _ROOTS = (_PACKAGE / "_models", _PACKAGE.parent / "models")
 
 
 def models_folder() -> Path:
-    """Folder of the shipped models: TOML files, with ``serial`` and ``closed_chain`` in it.
+    """Return the folder of the shipped models: TOML files, with ``serial`` and ``closed_chain`` in it.
 
     Raises:
         InputError: the installation has none; names the folders searched.
@@ -24,7 +24,7 @@ def models_folder() -> Path:
 
 
 def closed_chain_file(name: str) -> Path:
-    """The SDF file of a shipped closed chain, e.g. ``"leg"``.
+    """Return the SDF file of a shipped closed chain, e.g. ``"leg"``.
 
     Raises:
         InputError: no such chain is shipped; names those that are.

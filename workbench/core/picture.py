@@ -1,4 +1,4 @@
-"""A figure that a notebook shows by itself, whatever backend it has."""
+"""A figure that a notebook shows without any backend setting."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _DPI = 110
 
 
 class Picture(Figure):
-    """Matplotlib's figure; notebooks know those of pyplot only, and ours are made without it."""
+    """Matplotlib's figure; notebooks show only figures of pyplot, and this package does not use pyplot."""
 
     def _repr_png_(self) -> bytes:
         out = BytesIO()

@@ -1,4 +1,4 @@
-"""What a result was made of: versions, seeds, hashes of the files that went in; never when or where."""
+"""Provenance of a result: versions, seeds and hashes of its input files; no time and no place."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from typing import Any
 
 from .errors import InputError
 from .text import plain
+from .version import VERSION
 
 #: Whose version may change a number.
 PACKAGES = ("workbench", "numpy", "scipy", "numba", "drake", "mujoco", "pin", "pyarrow")
 
 
 def provenance(files: Iterable[str | Path], seeds: Mapping[str, int] | None = None) -> dict[str, Any]:
-    """The block ``provenance`` of a result's JSON.
+    """Return the block ``provenance`` of a result's JSON.
 
     Files go by their names alone, so that the same inputs give the same bytes wherever they lie.
 
@@ -37,18 +38,18 @@ def provenance(files: Iterable[str | Path], seeds: Mapping[str, int] | None = No
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
-    """Of Python and of those packages that are installed."""
+    """Return the versions of Python and of those packages that are installed."""
     found = {"python": platform.python_version()}
     for name in packages:
         try:
-            found[name] = metadata.version(name)
+            found[name] = VERSION if name == "workbench" else metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
     return found
 
 
 def digest(file: str | Path) -> str:
-    """SHA-256 of a file, hexadecimal.
+    """Return the SHA-256 of a file, hexadecimal.
 
     Raises:
         InputError: it cannot be read.

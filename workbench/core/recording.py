@@ -1,4 +1,4 @@
-"""What was measured or simulated: one frozen table of named signals on a uniform clock."""
+"""A recording: one frozen table of named signals, measured or simulated, on a uniform clock."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ AXIS_SIGNALS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Controller:
-    """How the loop was closed while the recording was made.
+    """The loop that was closed while the recording was made.
 
     ``pd``: torque = kp (q_ref - q) + kd (v_ref - v) in `coordinates`, kp [N m/rad], kd [N m s/rad]
     (of a linear axis N/m and N s/m).
@@ -60,7 +60,7 @@ class Controller:
 
 @dataclass(frozen=True)
 class Excitation:
-    """What drove the system: `kind` and the keys of the recording's ``[excitation]`` table.
+    """The excitation of the system: `kind` and the keys of the recording's ``[excitation]`` table.
 
     `lines`: which harmonics of the period were excited: ``"full"``, ``"odd"``, ``"odd_random"``,
     ``"every_N"`` (N apart, wherever they begin), or their numbers.
@@ -76,7 +76,7 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Timing:
-    """What the log assumes about holds, start and delay (``[timing]``).
+    """Assumptions about holds, start and delay of the log (``[timing]``).
 
     `feedforward_held`: the feedforward is sampled with the controller and held (else it acts per row).
     `reference_held`: at ticks of the loop between rows the reference is that of the row before (else it goes
@@ -162,38 +162,38 @@ class Recording(Shown):
 
     @property
     def period(self) -> float:
-        """Row period [s]."""
+        """Return the row period [s]."""
         return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
 
     @property
     def duration(self) -> float:
-        """Time from the first row to the last [s]."""
+        """Return the time from the first row to the last [s]."""
         return float(self.time[-1] - self.time[0])
 
     @property
     def position(self) -> FloatArray:
-        """Measured position (N, n) [rad or m]."""
+        """Return the measured position (N, n) [rad or m]."""
         return self.signals["position"]
 
     @property
     def velocity(self) -> FloatArray:
-        """Velocity (N, n) [rad/s or m/s]; measured, unless ``"velocity"`` is in `derived`."""
+        """Return the velocity (N, n) [rad/s or m/s]; measured, unless ``"velocity"`` is in `derived`."""
         return self.signals["velocity"]
 
     def to_actuator(self, transmission: FloatArray) -> FloatArray:
-        """What takes positions of its coordinates to those of the drives, (n, n); `transmission`: J."""
+        """The matrix (n, n) from positions in its coordinates to drive positions; `transmission`: J."""
         return np.eye(len(transmission)) if self.coordinates == "actuator" else transmission
 
     def get(self, signal: str) -> FloatArray | None:
-        """The signal (N, n), or None where the recording has not got it."""
+        """Return a signal (N, n), or None if the recording does not have it."""
         return self.signals.get(signal)
 
     def with_signals(self, **signals: FloatArray) -> Recording:
-        """A copy with these signals put in or replaced, each (N, n)."""
+        """Return a copy with these signals added or replaced, each (N, n)."""
         return replace(self, signals={**self.signals, **signals})
 
     def rows(self, part: slice) -> Recording:
-        """Some of the rows, their time from the first of them on [s]."""
+        """Return a recording of some of the rows, with time counted from the first of them [s]."""
         return replace(
             self,
             time=self.time[part] - self.time[part][0],

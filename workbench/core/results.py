@@ -1,4 +1,4 @@
-"""What comparing returns: frozen values, made to be read, drawn and written as JSON."""
+"""The result of comparing: frozen values that can be read, drawn and written as JSON."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class RecordingError:
-    """How far one recording is from its simulation.
+    """The distance between one recording and its simulation.
 
     Arrays over axes have shape (n,); NaN where the signal was not measured.
 
@@ -45,13 +45,13 @@ class RecordingError:
     ground_force_noise: np.ndarray | None = None
 
     def residual(self, signal: str) -> np.ndarray:
-        """Measured minus simulated of ``"position"`` or ``"torque_measured"``, shape (N, n)."""
+        """Return measured minus simulated of ``"position"`` or ``"torque_measured"``, shape (N, n)."""
         return self.recording.signals[signal] - self.simulated.signals[signal]
 
 
 @dataclass(frozen=True)
 class Share:
-    """Where error above the noise sits: a share of one axis's and signal's excess squared error.
+    """A place of error above the noise: its share of one axis's and signal's excess squared error.
 
     `quantity` is ``speed``, ``position``, ``frequency`` or ``time``; `range` its interval in `unit`;
     `share` the part (0 to 1) of all squared error above the noise that lies there.
@@ -71,7 +71,7 @@ HOPELESS = 1.5
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """Torque the model needs for the measured motion, against the torque measured.
+    """The torque that the model needs for the measured motion, compared with the measured torque.
 
     `relative_error` is ||tau - tau_model|| / ||tau|| over all axes and recordings, after `filter` on
     both; per axis in `axis_relative_error`, shape (n,).
@@ -84,7 +84,8 @@ class InverseDynamics:
 
 @dataclass(frozen=True)
 class Outlier:
-    """The signal that stands furthest above its own noise, more than noise makes of any of so many.
+    """The signal that exceeds its own noise the most, if noise alone would not exceed it among so many
+    signals.
 
     Attributes:
         axis: the axis' name.
@@ -101,12 +102,12 @@ class Outlier:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Shown):
-    """A model held against recordings.
+    """A model compared with recordings.
 
     Attributes:
         model: the model's name.
         axes: axis names.
-        recordings: one entry a recording.
+        recordings: one entry per recording.
         error: root mean square, over axes and over position and torque, of RMSE divided by the
             measured signal's standard deviation, both pooled by samples over all recordings; signals
             that never move are left out.

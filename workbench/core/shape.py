@@ -1,4 +1,4 @@
-"""A smooth function that something follows: a shape, not a cause."""
+"""A smooth function that the residual follows: a description, not a cause."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A smooth function, or a tone, that the torque which a model lacks on one axis follows.
+    """A smooth function, or a tone, that the residual torque of one axis follows.
 
     Attributes:
         axis: whose torque.
@@ -38,7 +38,7 @@ class Shape:
 
     @property
     def name(self) -> str:
-        """What it is, in words."""
+        """Return what it is, in words."""
         if self.frequency is not None:
             return f"a tone of {self.frequency:.3g} Hz"
         return f"a smooth function of {' and '.join(self.quantities)}"

@@ -1,4 +1,4 @@
-"""What a shell and a notebook show of a value: a few lines, the same as HTML, and a picture."""
+"""How shells and notebooks show a value: a few lines of text, the same as HTML, and a picture."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Summary:
-    """A value in a few lines.
+    """A short description of a value.
 
     Attributes:
         title: what it is, or its verdict.
@@ -27,7 +27,7 @@ class Summary:
 
     @property
     def text(self) -> str:
-        """As lines for a shell."""
+        """Return the lines for a shell."""
         lines = [self.title, *([self.told] if self.told else ())]
         for head, rows in self.tables:
             widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
@@ -37,7 +37,7 @@ class Summary:
 
     @property
     def html(self) -> str:
-        """As HTML; strangers' strings are escaped."""
+        """Return HTML; strings from files are escaped."""
         tables = "".join(_table(head, rows) for head, rows in self.tables if rows)
         told = f"<br>{html.escape(self.told)}" if self.told else ""
         return f"<div><p><strong>{html.escape(self.title)}</strong>{told}</p>{tables}</div>"

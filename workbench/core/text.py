@@ -1,4 +1,4 @@
-"""Strangers' strings, made fit to be printed."""
+"""Text from files and users, made safe to print."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import unicodedata
 
 
 def plain(text: object) -> str:
-    """A stranger's string as one printable line: control and direction characters become a box."""
+    """Return a string from outside as one printable line; control and direction characters become a box."""
     return "".join("\ufffd" if unicodedata.category(c) in _UNPRINTED else c for c in str(text))
 
 

@@ -1,4 +1,4 @@
-"""Where a key stands in a TOML file, for messages that say which line to mend."""
+"""The line on which a key stands in a TOML file, for messages that say which line to correct."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _HEADER = re.compile(r"\s*\[(?P<name>[^\[\]]+)\]\s*(?:#.*)?$")
 
 
 def toml_line(text: str, table: str, key: str) -> int | None:
-    """The line (1 is the first) on which a key of a table stands.
+    """Return the line number (from 1) on which a key of a table stands.
 
     Args:
         text: of the file.

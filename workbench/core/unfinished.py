@@ -1,4 +1,4 @@
-"""Files that belong together take their places together, even where the process that places them is killed.
+"""Files that belong together are renamed into place together, even if the process is killed meanwhile.
 
 They lie ready in a hidden folder. One rename of that folder decides that they are to be placed; whoever reads
 or writes there next places what a killed process has left. A lock tells it from one that is still at work.
@@ -24,7 +24,7 @@ _TAKEN = errno.ENOTEMPTY, errno.EEXIST  # whoever was there may have gone since:
 
 
 def place(stage: Path, names: Sequence[str]) -> None:
-    """Move files of a hidden folder, called ``0``, ``1``, ..., to these names beside it: all, come what may.
+    """Move files of a hidden folder, called ``0``, ``1``, ..., to these names beside it, all of them.
 
     Raises:
         OSError: the folder cannot be written; before the first file is in its place.
@@ -47,7 +47,7 @@ def place(stage: Path, names: Sequence[str]) -> None:
 
 
 def finish(folder: str | Path) -> None:
-    """Place what a process that was killed has left in a folder; mostly there is nothing.
+    """Rename into place what a killed process left in a folder; usually there is nothing.
 
     Raises:
         InputError: there is something, and it cannot be placed.
@@ -92,7 +92,7 @@ def _plain(name: str) -> bool:
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[bool]:
-    """Nobody else is at a folder; gives whether it is still there once the others are done."""
+    """Hold the lock of a folder; yields whether the folder still exists once the lock is free."""
     try:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Units at the boundary: anything pint knows comes in, SI is what the code computes with."""
+"""Units of files: any unit that pint knows is accepted, and the code computes in SI."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _POWER_OF_NAME = re.compile(r"(?<=[^\W\d])\s*(?:(?:\*\*|\^)\s*\(?[-+]?\d\)?(?!\d
 
 @cache
 def _registry() -> pint.UnitRegistry:
-    """All units that pint knows: a tenth of a second and more, which recordings in SI need not wait for."""
+    """All units that pint knows; loading takes a tenth of a second or more, which recordings in SI avoid."""
     import pint
 
     return pint.UnitRegistry()
@@ -41,7 +41,7 @@ def _registry() -> pint.UnitRegistry:
 
 @lru_cache(maxsize=256)
 def to_si(unit: str, kind: str) -> tuple[float, float, str]:
-    """Scale and offset that turn a number in `unit` into SI for a signal kind.
+    """Return scale and offset that convert a number in `unit` to SI for a signal kind.
 
     Args:
         unit: any unit pint can parse, e.g. ``"deg"``, ``"mm"``, ``"degC"``; a number of it as ``"0.1*deg"``.
@@ -78,12 +78,12 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
 
 
 def torque_unit(position_unit: str) -> str:
-    """The unit of torque that goes with a unit of position: N m with rad, N with m."""
+    """Return the torque unit for a position unit: N m with rad, N with m."""
     return "N" if position_unit == "m" else "N m"
 
 
 def unit_text(unit: str) -> str:
-    """``"N*m/(rad/s)"`` as it is printed: ``"N m/(rad/s)"``; dimensionless is empty."""
+    """Return a unit as printed: ``"N*m/(rad/s)"`` becomes ``"N m/(rad/s)"``; dimensionless is empty."""
     text = plain(unit).replace("**2", "²").replace("**3", "³").replace("^2", "²").replace("^3", "³")
     text = text.replace("*", " ").replace("·", " ")
     return "" if text.strip() in ("1", "-", "dimensionless") else text.strip()

@@ -1,4 +1,4 @@
-"""What checking a model returns: every quantity that was compared, and whether it agreed."""
+"""The result of checking a model: every compared quantity, and whether it agreed."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the difference is within tolerance; a NaN is not."""
+        """Return whether the difference is within tolerance; a NaN is not."""
         return bool(self.value <= self.tolerance)
 
 
 @dataclass(frozen=True)
 class Verification:
-    """A model held against its own closed chain, in every engine.
+    """A model compared with its own closed chain, in every engine.
 
     Attributes:
         model: the model's name.
@@ -57,5 +57,5 @@ class Verification:
 
     @property
     def passed(self) -> bool:
-        """Whether every check passed."""
+        """Return whether every check passed."""
         return all(check.passed for check in self.checks)

@@ -1,4 +1,4 @@
-"""XML of strangers: no entities, and no files but those beside or below it."""
+"""XML from anywhere: no entities, and only files beside or below the document."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def parse_xml(
     problem: str = "is no XML",
     remedy: str = "correct what it names",
 ) -> ElementTree.Element:
-    """The root of an XML document.
+    """Return the root of an XML document.
 
     Args:
         raw: the document.
@@ -61,7 +61,7 @@ def parse_xml(
 
 
 def check_inside(name: str, folder: Path | None, file: Path | None, key: str) -> Path:
-    """A file that another one names, which has to lie beside or below that one.
+    """Return a file that another one names, which must lie beside or below that one.
 
     Args:
         name: as it is written there.

@@ -1,4 +1,4 @@
-"""XML as the text that somebody wrote: attributes and elements change, every other byte stays as it is.
+"""XML edited as text: attributes and elements change, every other byte stays as it is.
 
 Nothing is written anew: comments, blanks, the order and the quotes of attributes, line ends, a byte order
 mark and the encoding are those of the file.
@@ -42,15 +42,15 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def get(self, name: str) -> str | None:
-        """The value of an attribute; None where it has no such."""
+        """Return the value of an attribute; None if it is missing."""
         return self.attributes.get(name)
 
     def child(self, tag: str) -> Element | None:
-        """The first child of this name."""
+        """Return the first child with this name."""
         return next((each for each in self.children if each.tag == tag), None)
 
     def around(self) -> Iterator[Element]:
-        """The elements that it is in, the nearest first."""
+        """Return the elements that contain this one, the nearest first."""
         outer = self.parent
         while outer is not None:
             yield outer
@@ -58,10 +58,10 @@ class Element:
 
 
 class XmlText:
-    """A document, and the edits that are to be made to it."""
+    """A document and the edits to be made to it."""
 
     def __init__(self, raw: bytes, file: Path | None = None) -> None:
-        """Find where everything stands.
+        """Find the position of every element.
 
         Args:
             raw: the document.
@@ -99,21 +99,21 @@ class XmlText:
 
     @property
     def root(self) -> Element:
-        """The outermost element."""
+        """Return the outermost element."""
         return self.elements[0]
 
     def set(self, element: Element, values: Mapping[str, str | None]) -> None:
-        """Give an element's attributes these values; None takes one away."""
+        """Set attributes of an element; None removes an attribute."""
         self._set.setdefault(element, {}).update(values)
 
     def add_after(self, element: Element, tag: str, values: Mapping[str, str]) -> None:
-        """A new element without content behind an element, on a line of its own where that has one."""
+        """Add an empty element after an element, on a line of its own if that element has one."""
         self._added.setdefault(element, []).append(
             f"<{tag}" + "".join(f' {name}="{_quotable(value)}"' for name, value in values.items()) + "/>"
         )
 
     def result(self) -> bytes:
-        """The document with all edits."""
+        """Return the document with all edits."""
         changes: list[tuple[int, int, bytes]] = []
         for element, values in self._set.items():
             changes += self._changed(element, values)
@@ -130,7 +130,7 @@ class XmlText:
     def _changed(
         self, element: Element, values: Mapping[str, str | None]
     ) -> Iterator[tuple[int, int, bytes]]:
-        """Bytes from, to, and what comes in their place."""
+        """Return start, end and replacement of the changed bytes."""
         found = {each[2].decode("latin-1"): each for each in self._attributes(element)}
         for name, value in values.items():
             if name not in found:
@@ -163,12 +163,12 @@ class XmlText:
             at = each.end()
 
     def _tag_end(self, element: Element) -> int:
-        """Behind the ``>`` of its start tag."""
+        """Return the position after the ``>`` of its start tag."""
         ends = [each.end() for each in self._attributes(element)]
         return self._raw.index(b">", ends[-1] if ends else self._name_end(element)) + 1
 
     def _alone(self, element: Element) -> bool:
-        """Whether it is written ``<x/>``."""
+        """Return whether it is written ``<x/>``."""
         end = self._tag_end(element)
         return self._raw[end - 2 : end] == b"/>"
 

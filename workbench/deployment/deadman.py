@@ -87,6 +87,8 @@ class Deadman:
     def _give_up(self) -> None:
         self._drives.disable()
         with suppress(Exception):
-            line = "error: the policy is stuck: every drive was damped and disabled, and the program is ended"
+            line = (
+                "error: the policy does not answer: every drive was damped and disabled, and the program ends"
+            )
             print(line, file=sys.stderr, flush=True)
         self._end(1)

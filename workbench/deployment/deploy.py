@@ -99,7 +99,7 @@ def deploy(
     """
     if teleop and network is not None:
         raise InputError(
-            "a dry run is in simulated time, and nobody can steer it", column="--teleop",
+            "a dry run uses simulated time and cannot be steered", column="--teleop",
             remedy="leave it out, or give --velocity",
         )  # fmt: skip
     for load in bus_load(config):

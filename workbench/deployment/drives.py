@@ -53,7 +53,7 @@ class Drives:
         self._told = np.inf  # when all were last commanded [s]
 
     def encode(self, out: Setpoints) -> list[Frames]:
-        """The frames of one setpoint a drive.
+        """The frames of one setpoint per drive.
 
         Raises:
             FrameError: a number that no frame can carry.

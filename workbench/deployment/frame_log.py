@@ -80,5 +80,5 @@ class ProcessLog:
         said = end(self._process)
         if self._process.returncode != 0:
             why = said or self._process.returncode
-            raise RunError(f"{self._log}: the logger failed, and the log is not whole: {why}")
+            raise RunError(f"{self._log}: the logger failed, and the log is incomplete: {why}")
         return self.shift

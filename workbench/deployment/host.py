@@ -189,7 +189,7 @@ class Host:
             return self.state.time
 
     def _exchange(self, gap: float, patient: bool = False) -> None:
-        """Sends one frame a drive and takes what comes."""
+        """Sends one frame per drive and takes what comes."""
         sent = self._network.now()
         self.drives.send(self._frames)
         self.drives.collect(self._frames, sent, gap, self._moving and not patient, patient)

@@ -1,4 +1,4 @@
-"""What safety holds an output to: one array an axis, taken from a configuration."""
+"""What safety holds an output to: one array per axis, taken from a configuration."""
 
 from __future__ import annotations
 

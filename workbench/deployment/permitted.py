@@ -54,8 +54,9 @@ def permitted(
         part = np.array([UNTESTED if axis in doubtful else 1.0 for axis in config.axes])
         limits = replace(limits, torque=part * limits.torque)
         lines.append(
-            f"a tenth of the torque for {', '.join(doubtful)}: no watchdog can be read from these. See "
-            "each stop without its host, and write watchdog_tested = DATE, or give --watchdogs-tested"
+            f"a tenth of the torque for {', '.join(doubtful)}: no watchdog can be read from these. "
+            "Watch each drive stop when its host is silent, and "
+            "write watchdog_tested = DATE, or give --watchdogs-tested"
         )
     return limits, lines
 
@@ -70,5 +71,5 @@ def refuse_untested(config: CanConfig) -> None:
         raise InputError(
             "its watchdog cannot be read, and nobody has tested it", file=config.source,
             column=f"motor '{axis}'.watchdog_tested",
-            remedy="see the drive stop without its host, then write watchdog_tested = DATE",
+            remedy="watch the drive stop when its host is silent, then write watchdog_tested = DATE",
         )  # fmt: skip

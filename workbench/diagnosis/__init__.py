@@ -1,4 +1,4 @@
-"""Which physical effect is missing from a model, and how sure one can be."""
+"""Diagnosis: which physical effect is missing from a model, and how certain that is."""
 
 from .checks.doubts import doubts
 from .diagnose import diagnose

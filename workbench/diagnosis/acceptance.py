@@ -1,4 +1,4 @@
-"""Rules that accept a fit in place of another, on data that were not fitted."""
+"""Rules that accept a fit in place of another, tested on data that were not fitted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .removed_share import removed_share
 
 
 def holdout_insensitive(current: Fit, data: Data) -> bool:
-    """Whether training shows so much more excess error that held-out motion cannot test it."""
+    """Return whether training shows so much more excess error that held-out motion cannot test it."""
     if not data.tests_on_holdout:
         return False
     training_loss, held_out = (
@@ -23,7 +23,7 @@ def holdout_insensitive(current: Fit, data: Data) -> bool:
 
 
 def unchanged_on_holdout(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether an effect explains much of the training error and does not change the held-out error."""
+    """Return whether an effect explains much of the training error and does not change the held-out error."""
     before, after = (data.score(f.mean_squares, True) for f in (current, found))
     floor = data.objective(data.pool(data.floor))
     removed = current.training_loss - found.training_loss
@@ -32,7 +32,7 @@ def unchanged_on_holdout(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def too_little_left(current: Fit, start: Fit, data: Data) -> bool:
-    """Whether even a perfect further effect could not lower the whole error by enough."""
+    """Return whether even a perfect further effect could not lower the total error by enough."""
     if _is_clear(current, data):
         return False
     if data.score(data.floor) > (1.0 - POLICY.later_fall) * data.score(current.mean_squares):
@@ -43,7 +43,7 @@ def too_little_left(current: Fit, start: Fit, data: Data) -> bool:
 
 
 def improves_residual(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
-    """Whether an effect after the first lowers the whole error, not only what the first left of its own.
+    """Return whether an effect after the first lowers the total error, not only the excess left by the first.
 
     What a first effect leaves is its own shape as often as a second one. A cause that is there explains most
     of what the next one leaves, while in a model that lacks something else many take a little of it each. Or
@@ -67,7 +67,7 @@ def improves_residual(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 
 
 def improves_an_axis(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether a fit lowers the total error of one axis, in training and test."""
+    """Return whether a fit lowers the total error of one axis, in training and test."""
     better = np.ones(len(data.recordings[0].axes), bool)
     for held_out in {False, data.tests_on_holdout}:
         before, after, floor = (
@@ -80,13 +80,13 @@ def improves_an_axis(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether a clear excess falls to a share `left` of it, in training and test."""
+    """Return whether a clear excess falls to the share `left`, in training and test."""
     left = 1.0 - POLICY.most_of_excess if left is None else left
     return _is_clear(current, data) and halves_excess(found, current, data, left)
 
 
 def _is_clear(current: Fit, data: Data) -> bool:
-    """Whether the excess is clear, in training and test, however small beside the total error."""
+    """Return whether the excess is clear in training and test, even if it is small beside the total error."""
     most = POLICY.near_noise
     return current.training_loss > most * training_noise_floor(
         data
@@ -94,7 +94,7 @@ def _is_clear(current: Fit, data: Data) -> bool:
 
 
 def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether the excess above the noise falls to a share `left` of it, in training and test.
+    """Return whether the excess above the noise falls to the share `left`, in training and test.
 
     A replacement that leaves more than half is no improvement; one that leaves less replaced a wrong effect.
     """
@@ -107,7 +107,7 @@ def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = Non
 
 
 def near_noise_floor(found: Fit, data: Data) -> bool:
-    """Whether hardly more than the noise is left, in training and test."""
+    """Return whether hardly more than the noise is left, in training and test."""
     most = POLICY.near_noise
     return found.training_loss < most * training_noise_floor(
         data
@@ -115,7 +115,7 @@ def near_noise_floor(found: Fit, data: Data) -> bool:
 
 
 def at_noise_floor(found: Fit, data: Data, times: float | None = None) -> bool:
-    """Whether the noise explains the rest: a test loss of at most `times` its floor, and a low training loss.
+    """Return whether noise explains the rest: test loss at most `times` its floor, and a low training loss.
 
     Held-out motion that hardly shows what is missing is explained by anything.
     """
@@ -125,7 +125,7 @@ def at_noise_floor(found: Fit, data: Data, times: float | None = None) -> bool:
 
 
 def improves(found: Fit, current: Fit, excess: float) -> bool:
-    """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
+    """Return whether a fit is better on data it was not fitted on, by enough and on most folds."""
     # a recording that does not show the effect says neither yes nor no
     shown = np.abs(current.fold_losses - found.fold_losses) > POLICY.recording_shows * np.mean(
         current.fold_losses
@@ -138,29 +138,29 @@ def improves(found: Fit, current: Fit, excess: float) -> bool:
 
 
 def explains_training(found: Fit, current: Fit, excess: float) -> bool:
-    """Whether most of the excess training loss is gone."""
+    """Return whether most of the excess training loss is gone."""
     return current.training_loss - found.training_loss > POLICY.most_of_excess * excess
 
 
 def contradicts_holdout(found: Fit, data: Data) -> bool:
-    """Whether the held-out error is far above that of a perfect model."""
+    """Return whether the held-out error is far above that of a perfect model."""
     return data.held_out and _off_held_out(found, data) > POLICY.holdout_contradicts
 
 
 def _off_held_out(found: Fit, data: Data) -> float:
-    """Squared error on held-out recordings over that of a perfect model."""
+    """Return the squared error on held-out recordings divided by that of a perfect model."""
     return data.objective(data.pool(found.mean_squares, held_out=True)) / data.objective(
         data.least(held_out=True)
     )
 
 
 def degrades_holdout(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether the held-out error, at the noise before, is far above it now."""
+    """Return whether the held-out error was at the noise before and is far above it now."""
     return contradicts_holdout(found, data) and _off_held_out(current, data) < POLICY.holdout_informative
 
 
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether the reported error falls, on what was fitted and on what was not."""
+    """Return whether the reported error falls, on fitted data and on other data."""
     if degrades_holdout(found, current, data):
         return False
     parts = {False, data.tests_on_holdout}

@@ -31,7 +31,7 @@ class Fold:
 
 @dataclass(frozen=True)
 class Data:
-    """Recordings (training first, then held out), their noise floor, and how residuals are weighed.
+    """Recordings (training first, then held out), their noise floor, and the weights of residuals.
 
     Attributes:
         recordings: all of them.
@@ -61,16 +61,16 @@ class Data:
 
     @property
     def held_out(self) -> bool:
-        """Whether there are held-out recordings."""
+        """Return whether there are held-out recordings."""
         return self.training < len(self.recordings)
 
     @property
     def tests_on_holdout(self) -> bool:
-        """Whether the test loss is that of held-out recordings; else it is cross-validated on folds."""
+        """Whether the test loss comes from held-out recordings; otherwise it is cross-validated on folds."""
         return self.held_out and not self.holdout_uninformative
 
     def weighed_for(self, mean_squares: np.ndarray) -> Data:
-        """The same data for a model that leaves these mean squares, (R, 2, n).
+        """Return the same data weighted for a model that leaves these mean squares, (R, 2, n).
 
         Tested on held-out recordings only if the error there exceeds the noise.
         """
@@ -81,17 +81,17 @@ class Data:
         return replace(out, holdout_uninformative=error < POLICY.holdout_informative * floor)
 
     def cross_validated(self) -> Data:
-        """The same data, cross-validated on folds of the training recordings."""
+        """Return the same data, cross-validated on folds of the training recordings."""
         return replace(self, holdout_uninformative=True)
 
     @property
     def noise_squares(self) -> np.ndarray:
-        """Mean squares that noise alone leaves, of each draw and recording, (N, R, 2, n)."""
+        """Return mean squares that noise alone leaves, of each draw and recording, (N, R, 2, n)."""
         return np.array([[np.mean(x**2, axis=0) for x in draw] for draw in self.draws])
 
     @property
     def folds(self) -> tuple[Fold, ...]:
-        """Training recordings, those that are a large part of all in contiguous blocks.
+        """Return the folds: training recordings, of which the long ones are split into contiguous blocks.
 
         What only one long recording shows is tested on another part of it.
         """
@@ -105,7 +105,7 @@ class Data:
 
     @property
     def phase_folds(self) -> tuple[Fold, ...]:
-        """The folds; those of a periodic motion are split by phase, so that none is a copy of another."""
+        """Return the folds; those of a periodic motion are split by phase, so that none copies another."""
         out: list[Fold] = []
         for i, period in enumerate(self.motion_periods[: self.training]):
             own = [f for f in self.folds if f.recording == i]
@@ -116,7 +116,7 @@ class Data:
         return tuple(out) or self.folds
 
     def part(self, chosen: Sequence[int]) -> Data:
-        """Only these training recordings, none held out; weights as here."""
+        """Return only these training recordings, without held-out ones and with the same weights."""
         return replace(
             self,
             recordings=tuple(self.recordings[i] for i in chosen),
@@ -129,7 +129,7 @@ class Data:
         )
 
     def most_informative(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
-        """Indices of the fewest training recordings that have this share of the error above the noise."""
+        """Indices of the fewest training recordings that contain this share of the error above the noise."""
         counts = np.array([np.sum(r.valid) for r in self.recordings[: self.training]])
         above = np.maximum(mean_squares - self.floor, 0.0)[: self.training]
         excess = counts * np.sum(above * self.weight**2, axis=(1, 2))
@@ -138,12 +138,12 @@ class Data:
         return tuple(sorted(int(i) for i in order[:enough]))
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """`Replay.run`, counted."""
+        """Simulate with `Replay.run`, and count the work."""
         self.budget.add(self.recordings[:first], len(models))
         return self.replay.run(models, first)
 
     def of_model(self, model: Model, seed: int) -> tuple[Data, Simulated]:
-        """The same recordings with the noise floor of a model's own runs, and these.
+        """Return the same recordings with the noise floor of a model's own runs, and those runs.
 
         Raises:
             SimulationError: the model is unstable in a recording's loop.
@@ -153,14 +153,14 @@ class Data:
         return replace(self, holdout_uninformative=False, **_floor(self.recordings, simulated)), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
-        """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
+        """Measured minus simulated values, (N, 2, n), unweighted; zero where not measured or masked."""
         measured = self.recordings[index]
         out = difference(measured, simulated, measured)
         out[~measured.valid] = 0.0
         return out
 
     def mean_squares(self, simulated: Sequence[Recording]) -> np.ndarray:
-        """Mean squared residuals per recording, (R, 2, n)."""
+        """Return mean squared residuals per recording, (R, 2, n)."""
         return np.stack(
             [
                 np.sum(self.residual(i, s) ** 2, axis=0) / max(int(np.sum(self.recordings[i].valid)), 1)
@@ -169,27 +169,29 @@ class Data:
         )
 
     def pool(self, mean_squares: np.ndarray, held_out: bool = False) -> np.ndarray:
-        """Mean squares of the training (or held-out) recordings pooled by samples, (2, n)."""
+        """Return mean squares of the training (or held-out) recordings, pooled over samples, (2, n)."""
         part = slice(self.training, None) if held_out else slice(0, self.training)
         counts = np.array([int(np.sum(r.valid)) for r in self.recordings])[part]
         return np.average(mean_squares[part], axis=0, weights=counts)
 
     def least(self, held_out: bool = False) -> np.ndarray:
-        """Pooled mean squares (2, n) that a perfect model leaves: noise, and how right simulations differ."""
+        """Return pooled mean squares (2, n) that a perfect model leaves: from noise and from divergence of
+        correct simulations.
+        """
         return self.pool(self.floor + self.immaterial, held_out)
 
     def objective(self, pooled: np.ndarray) -> float:
-        """Weighted mean square of pooled residuals (2, n)."""
+        """Return the weighted mean square of pooled residuals (2, n)."""
         return float(np.sum(pooled * self.weight**2))
 
     def score(self, mean_squares: np.ndarray, held_out: bool = False) -> float:
-        """`Comparison.error` of training or held-out recordings."""
+        """Return `Comparison.error` of the training or held-out recordings."""
         part = self.recordings[self.training :] if held_out else self.recordings[: self.training]
         scale = Scale.of(part)
         return normalised(self.pool(mean_squares, held_out), scale)
 
     def reweighed(self, mean_squares: np.ndarray, tolerance: float | None = None) -> Data:
-        """The same data with weights for an error of this size, `tolerance` of which counts as noise.
+        """Return the same data with weights for an error of this size, of which `tolerance` counts as noise.
 
         Where a model cannot reach the noise floor, a signal with little noise would dominate.
         """
@@ -204,7 +206,7 @@ class Data:
 def gather(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording], seed: int
 ) -> tuple[Data, Simulated]:
-    """Runs of a model with and without noise, and the data with its floor, weighed for its error."""
+    """Return runs of a model with and without noise, and the data with its floor, weighted for its error."""
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
     data = Data(
@@ -222,13 +224,13 @@ def gather(
 def gather_along(
     model: Model, recordings: Sequence[Recording], training: int, seed: int
 ) -> tuple[Data, Simulated]:
-    """As `gather`, along the motion that was measured, whatever loops made it."""
+    """Return the same as `gather`, along the measured motion, whatever loops produced it."""
     along = followed(recordings)
     return gather(model, along[:training], along[training:], seed)
 
 
 def _floor(recordings: Sequence[Recording], simulated: Simulated) -> dict[str, Any]:
-    """Noise floor from noisy and noise-free runs of one model, as `Data` has it."""
+    """Return the noise floor from noisy and noise-free runs of one model, as `Data` stores it."""
     draws = tuple(
         tuple(difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
         for draw in simulated.noisy
@@ -240,7 +242,7 @@ def _floor(recordings: Sequence[Recording], simulated: Simulated) -> dict[str, A
 
 
 def difference(one: Recording, other: Recording, measured: Recording) -> np.ndarray:
-    """One less the other of the scored signals of a recording, (N, 2, n); zero where there is none."""
+    """The difference of the scored signals of two recordings, (N, 2, n); zero where there is no value."""
     out = np.zeros((len(measured), 2, len(measured.axes)))
     for k, name in enumerate(scored_signals(measured)):
         out[:, k] = one.signals[name] - other.signals[name]

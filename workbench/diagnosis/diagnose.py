@@ -1,4 +1,6 @@
-"""From a search to a verdict: what is missing, how sure, what else it could be, what to measure next."""
+"""From a search to a verdict: what is missing, how certain that is, what else it could be, what to measure
+next.
+"""
 
 from __future__ import annotations
 
@@ -36,10 +38,10 @@ _CARRIED = (
     "behind the drives were not"
 )
 _RESTS = (
-    "the torque bias on {} is the same as that of the model's spring there if it rests {:.3g} from where the "
-    "file has it, in the drive's coordinate"
+    "the torque bias on {} may instead be a wrong rest position of the model's spring there: {:.3g} from the "
+    "file's value, in the drive's coordinate"
 )
-_WEIGHT = "the torque bias on {} may be the weight of a crank or rod in another place, or of another mass"
+_WEIGHT = "the torque bias on {} may instead come from a crank or rod with another mass or centre of mass"
 
 
 def diagnose(
@@ -50,7 +52,7 @@ def diagnose(
     seed: int = 0,
     progress: Progress = lambda text: None,
 ) -> Diagnosis:
-    """Which physical effects are missing from a model.
+    """Diagnose which physical effects are missing from a model.
 
     Args:
         model: what we believe.
@@ -67,7 +69,7 @@ def diagnose(
 
 
 def diagnosis_of(found: Rounds) -> Diagnosis:
-    """What searches one after the other come to."""
+    """Return the diagnosis that follows from one search or several successive ones."""
     first, last = found[0], found[-1]
     verdict, less = verdict_of(first)
     named = verdict in NAMED
@@ -130,7 +132,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
 
 
 def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[EffectKey, ...]:
-    """Effects that these data could not have shown.
+    """Return the effects that these data could not have shown.
 
     A small one may show nothing where a large one does as well as a finding: that is told beside the finding.
     """
@@ -141,7 +143,7 @@ def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[Effe
 
 
 def _bodies(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
-    """Which body a link is, where its axis is called otherwise than the joint that moves it."""
+    """Return lines that name the body of a link where the axis has another name than its joint."""
     keys = [f.key for f in findings if isinstance(effect_named(f.key.effect).corrects, OfBody)]
     links = {key.axis: link_of(model, key.axis) for key in keys}
     joints = dict(zip(model.axes, model.links[1], strict=True))
@@ -153,7 +155,9 @@ def _bodies(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
 
 
 def _resting(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
-    """That a constant torque may be a spring of the file's that rests elsewhere."""
+    """Return lines that say a constant torque may come from a spring of the model file with another rest
+    position.
+    """
     constant = [f for f in findings if f.key.effect == "torque_bias"]
     stiff = dict(zip(model.axes, springs(model), strict=True)) if constant else {}
     return tuple(
@@ -172,14 +176,14 @@ def _not_looked_for(verdict: Verdict, findings: Sequence[Finding], model: Model)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:
-    """Share of the squared error above the noise that stays after all that was named."""
+    """Return the share of the squared error above the noise that remains after everything that was named."""
     if verdict == "consistent":
         return 0.0
     return float(prod(map(_left, found))) if verdict in NAMED else 1.0
 
 
 def _left(found: SearchResult) -> float:
-    """The share after one search; none where noise explains what is left and held-out motion does not object.
+    """Return that share after one search; zero if noise explains the rest and held-out motion agrees.
 
     Of an error that was hardly above the noise a share says only how noise fell.
     """
@@ -195,7 +199,7 @@ def _softness(found: SearchResult) -> tuple[str, ...]:
 
 
 def _parting(found: SearchResult) -> tuple[str, ...]:
-    """What counts as noise besides, where runs of models that are equally good part."""
+    """Return a line on the extra error floor when trajectories of equally good models diverge."""
     data = found.final_data
     own, noise = data.score(data.floor), data.score(np.mean(data.noise_squares, axis=0))
     if not found.final.hypothesis.diverges or own < POLICY.noise_slack * noise:
@@ -207,14 +211,14 @@ def _parting(found: SearchResult) -> tuple[str, ...]:
 
 
 def _model_settings(found: SearchResult) -> dict[str, float]:
-    """Properties of the model that were fitted together with the findings, where they changed."""
+    """Return the model settings that were fitted together with the findings and changed."""
     given, end = found.model, found.final.hypothesis.model
     pairs = {s.name: (s.get(given), s.get(end)) for s in SETTINGS}
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 
 def _evidence_of_rest(verdict: Verdict, found: SearchResult) -> ResidualEvidence | None:
-    """What shows the part that stays unexplained; None where noise explains it."""
+    """Return the evidence on the part that stays unexplained; None if noise explains it."""
     named = verdict in NAMED
     if found.consistent_before or (named and found.consistent_after):
         return None

@@ -1,4 +1,4 @@
-"""The search among nodes: moves propose others, the cheapest first, until none takes the best one's place."""
+"""The search among nodes: moves propose nodes, cheapest first, until none replaces the best one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RANKED = 8  # rivals that are told of each effect that was added
 
 
 def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
-    """The best node that moves lead to from a root, without last effects that may be nothing; and the trace.
+    """Return the best node that moves reach from a root, without insignificant last effects, and the trace.
 
     A proposed node is grown one effect at a time, as far as it asks for. Where it leads takes the place of
     the best node so far by one rule (`accepts`); all moves are then asked about the new one too.
@@ -47,7 +47,7 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
 
 
 def _tried(parent: Node, node: Node, taken: bool, why: str, problem: Problem) -> Tried:
-    """What came of a proposal, from the steps that it shares with its parent on."""
+    """Return the trace of a proposal, from the steps that it shares with its parent on."""
     pairs = zip(parent.steps, node.steps, strict=False)
     shared = sum(1 for _ in takewhile(lambda pair: pair[0].added == pair[1].added, pairs))
     before = node_after(node.steps[:shared], problem)
@@ -66,19 +66,19 @@ def _tried(parent: Node, node: Node, taken: bool, why: str, problem: Problem) ->
 
 
 class _Agenda:
-    """Moves from nodes, the first of `MOVES` first; nothing is worked out before it is asked for."""
+    """Moves from nodes, in the order of `MOVES`; a move is computed only when it is needed."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem, self._number = problem, count()
         self._queue: list[tuple[int, int, Node, Iterator[Node]]] = []
 
     def add(self, node: Node) -> None:
-        """All moves from a node."""
+        """Add all moves from a node."""
         for rank, move in enumerate(MOVES):
             heappush(self._queue, (rank, next(self._number), node, self._proposed(move, node)))
 
     def next(self, best: Node) -> tuple[Node, Node] | None:
-        """The next proposal that is wanted beside the best node, after the node that it is made from."""
+        """Return the next proposal that may compete with the best node, after the node it starts from."""
         while self._queue:
             rank, _, node, proposals = self._queue[0]
             move = MOVES[rank]
@@ -91,13 +91,13 @@ class _Agenda:
         return None
 
     def _proposed(self, move: Move, node: Node) -> Iterator[Node]:
-        """What a move proposes, once for each set of effects."""
+        """Return what a move proposes, once for each set of effects."""
         if self._problem.is_new(move.name, node.keys):
             yield from move.propose(node, self._problem)
 
 
 def without_insignificant_end(node: Node, problem: Problem) -> Node:
-    """The node without insignificant last effects; what they explained stays unexplained."""
+    """Return the node without insignificant last effects; what they explained stays unexplained."""
     steps = node.steps
     while steps:
         last = next(a for a in steps[-1].fit.hypothesis.added if a.key == steps[-1].added)

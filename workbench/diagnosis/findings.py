@@ -25,7 +25,7 @@ from .significance import is_significant
 
 
 def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Finding, ...]:
-    """Findings of the final model, the effect that explains most first.
+    """Return findings of the final model; the effect that explains most comes first.
 
     `held_out_floor` is the noise floor of held-out recordings that is told beside their errors; None where
     there are none.
@@ -59,7 +59,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
 
 
 def near_findings(found: SearchResult) -> tuple[Finding, ...]:
-    """Effects that lower the error beside the findings, and are not certain enough to be named."""
+    """Return effects that lower the error beside the findings but are not certain enough to be named."""
     score = found.start_data.score
     on_holdout = found.start_data.held_out
     after = score(found.final.mean_squares, held_out=True) if on_holdout else None
@@ -70,7 +70,7 @@ def near_findings(found: SearchResult) -> tuple[Finding, ...]:
 
 
 def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
-    """The number of the model that an effect corrects: before, and now."""
+    """Return the number of the model that an effect corrects: its old and its new value."""
     effect = effect_named(applied.key.effect)
     own = model_value(effect, model, Placement.of(model, applied.key), applied.values)
     number = effect.corrects and effect.corrects.told_by(applied.values)
@@ -81,7 +81,7 @@ def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
 
 
 def _held_out_fall(found: SearchResult, index: int, floor: float | None) -> HeldOutFall | None:
-    """Held-out errors around a step; None where there are no held-out recordings."""
+    """Return held-out errors before and after a step; None if there are no held-out recordings."""
     if floor is None:
         return None
     fits = (_before(found, index), found.steps[index].fit)
@@ -90,7 +90,7 @@ def _held_out_fall(found: SearchResult, index: int, floor: float | None) -> Held
 
 
 def _before(found: SearchResult, index: int) -> Fit:
-    """The fit before a step added its effect.
+    """Return the fit before a step added its effect.
 
     That is the previous fit; if that had a refinement of which this step has a part, the last fit without it.
     """
@@ -103,7 +103,7 @@ def _before(found: SearchResult, index: int) -> Fit:
 
 
 def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey]) -> float:
-    """Probability that the name is right, from the next loss ratio and the unexplained share.
+    """Return the probability that the name is right, from the next loss ratio and the unexplained share.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
@@ -125,7 +125,7 @@ def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[Effec
 
 
 def ranking_of(found: SearchResult) -> tuple[tuple[EffectKey, float], ...]:
-    """`removed_share` of each effect by itself: simulated where it was, else as screened."""
+    """Return the `removed_share` of each effect by itself: simulated if available, otherwise as screened."""
     if found.consistent_before or not found.screened:
         return ()
     simulated = found.steps[0].ranking if found.steps else ()
@@ -145,7 +145,7 @@ def step_of(
     held_out_floor: float | None,
     evidence: Mapping[EffectKey, tuple[str, ...]],
 ) -> Step:
-    """An accepted step as one of an improvement, with the evidence of its finding where there is one.
+    """Return an accepted step as one of an improvement, with the evidence of its finding if there is one.
 
     Errors are those of the model at that step; parameters those of the last model, where it still has the
     effect.
@@ -165,7 +165,7 @@ def step_of(
 
 
 def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
-    """A line on the effect that removes most of the excess, but not enough to be named.
+    """Return a line on the effect that removes most of the excess but not enough to be named.
 
     Below a limit only the existence of a partial explanation is reported.
     """
@@ -189,7 +189,7 @@ def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
 
 
 def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
-    """A line on held-out recordings that contradict the training recordings."""
+    """Return a line on held-out recordings that contradict the training recordings."""
     data = found.start_data
     if verdict != "unexplained" or not found.consistent_before:
         return ()
@@ -209,7 +209,7 @@ def _estimated(applied: AppliedEffect) -> str:
 
 
 def cut_short_line(found: SearchResult) -> tuple[str, ...]:
-    """A line that there may be more to find, where the search ended because its work budget was spent."""
+    """Return a line that more may be missing, if the search ended because its work budget was spent."""
     if found.stopped != "budget":
         return ()
     return (

@@ -13,7 +13,7 @@ from workbench.models import AppliedEffect, Model, Placement
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model, effects that its file states without a free parameter, and effects with free parameters."""
+    """A model, effects whose values its file states, and effects with free parameters."""
 
     base: Model
     free: tuple[AppliedEffect, ...]
@@ -21,34 +21,34 @@ class Hypothesis:
 
     @property
     def added(self) -> tuple[AppliedEffect, ...]:
-        """All effects over the base."""
+        """Return all effects added to the base model."""
         return (*self.parameter_free, *self.free)
 
     @property
     def keys(self) -> frozenset[EffectKey]:
-        """Which effects these are."""
+        """Return the keys of these effects."""
         return frozenset(a.key for a in self.added)
 
     @property
     def diverges(self) -> bool:
-        """Whether trajectories diverge for small changes of its parameters."""
+        """Return whether trajectories diverge for small changes of its parameters."""
         return any(kinds.diverges(effect_named(a.key.effect)) for a in self.free)
 
     @property
     def size(self) -> int:
-        """Number of free parameters."""
+        """Return the number of free parameters."""
         return sum(effect_named(a.key.effect).parameters.count(a.values) for a in self.free)
 
     @property
     def model(self) -> Model:
-        """Base with all effects in it."""
+        """Return the base model with all effects."""
         out = self.base
         for applied in self.added:
             out = out.with_effect(applied)
         return out
 
     def without(self, key: EffectKey) -> Hypothesis:
-        """The same without a free effect."""
+        """Return the hypothesis without one free effect."""
         return replace(self, free=tuple(a for a in self.free if a.key != key))
 
 
@@ -74,7 +74,7 @@ class Fit:
 
 
 def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
-    """Which unknowns belong to which free effect: linear coefficients, then nonlinear parameters."""
+    """Return which unknowns belong to which free effect: linear coefficients, then nonlinear parameters."""
     out, start = [], 0
     for applied in hypothesis.free:
         effect = effect_named(applied.key.effect)
@@ -85,7 +85,7 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
 
 
 def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds (C,) of one step: up to the physical bounds, and up to the longest step of nonlinear unknowns.
+    """Return bounds (C,) of one step: the physical bounds, and the longest step of nonlinear unknowns.
 
     An unknown that starts outside its bound has to return.
     """
@@ -106,7 +106,7 @@ def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
 
 
 def moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
-    """The hypothesis with its unknowns changed by `change`, in the order of `blocks`."""
+    """Return the hypothesis with its unknowns changed by `change`, in the order of `blocks`."""
     free = []
     for applied, block in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
@@ -123,7 +123,7 @@ def moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
 
 
 def applied_effect(model: Model, like: AppliedEffect, values: dict[str, float]) -> AppliedEffect:
-    """The same effect with other values."""
+    """Return the same effect with other values."""
     units = axis_units(model)
     parameters = {}
     for parameter in effect_named(like.key.effect).parameters:

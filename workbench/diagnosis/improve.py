@@ -1,4 +1,4 @@
-"""Diagnose and add: the error falling step by step to a model that explains the data."""
+"""Diagnose and add effects: the error falls step by step until the model explains the data."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def improve(
     nearest: bool = False,
     progress: Progress = lambda text: None,
 ) -> tuple[Improvement, Model]:
-    """Diagnose and add until the data are explained.
+    """Diagnose a model and add effects until the data are explained.
 
     Args:
         model: what we believe.

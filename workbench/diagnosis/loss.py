@@ -1,4 +1,4 @@
-"""What a fit leaves on data that were fitted and that were not, its noise floors, and the share explained."""
+"""Losses of a fit on fitted data and on other data, their noise floors, and the share explained."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from .policy import POLICY
 
 
 def test_noise_floor(data: Data) -> float:
-    """Test loss of a perfect model: from noise, and from how much correct simulations differ."""
+    """Return the test loss of a perfect model: from noise, and from the divergence of correct simulations."""
     return data.objective(data.least(held_out=data.tests_on_holdout))
 
 
 def training_noise_floor(data: Data) -> float:
-    """Training loss of a perfect model."""
+    """Return the training loss of a perfect model."""
     return data.objective(data.least())
 
 
 def rescored(old: Fit, data: Data) -> Fit:
-    """The same fit with losses under the weights of `data`; its parameters stay, also on folds."""
+    """The same fit with losses under the weights of `data`; parameters are unchanged, also those of folds."""
     training_loss = data.objective(data.pool(old.mean_squares))
     if data.tests_on_holdout:
         folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
@@ -44,7 +44,8 @@ def rescored(old: Fit, data: Data) -> Fit:
 
 
 def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
-    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller.
+    """Return the share of the initial excess that is gone at the end, of fitted or held-out data, the
+    smaller.
 
     `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
     """
@@ -60,9 +61,10 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
 
 
 def median_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
-    """As `explained`, but the median over recordings, by their length, for trajectories that diverge.
+    """Return the same as `explained`, but the length-weighted median over recordings, for trajectories that
+    diverge.
 
-    Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
+    Near a gap's resonance two motions are possible; no model predicts which of them a recording shows.
     """
     worst = 1.0
     for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.tests_on_holdout]:

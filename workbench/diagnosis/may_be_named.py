@@ -1,4 +1,4 @@
-"""Whether effects that explain the recordings may be named: they are clearly something, and no other law."""
+"""Whether effects that explain the recordings may be named: they are significant and no other law fits."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .significance import is_significant
 
 
 def may_be_named(found: Fit, data: Data) -> bool:
-    """Whether what explains the recordings is significant, and is not drawn after a torque of another law."""
+    """Return whether the explanation is significant and does not merely imitate the torque of another law."""
     significant = all(is_significant(a) for a in found.hypothesis.free)
     return significant and not _another_shape(found, data) and not _far_off_contact(found, data)
 
 
 def _another_shape(found: Fit, data: Data) -> bool:
-    """Whether a position-dependent torque was found and the residual still depends on positions.
+    """Return whether a position-dependent torque was found and the residual still depends on positions.
 
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """
@@ -28,7 +28,7 @@ def _another_shape(found: Fit, data: Data) -> bool:
 
 
 def _far_off_contact(found: Fit, data: Data) -> bool:
-    """Whether a search with contacts that make and break ends well above the noise.
+    """Return whether a search with contacts that make and break ends well above the noise.
 
     A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
     """

@@ -1,4 +1,4 @@
-"""Which number of which file is wrong: the line to mend, rather than an effect to add."""
+"""Which number in which file is wrong: the line to correct, instead of an effect to add."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _XML = (".xml", ".urdf")
 
 
 def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence[Finding]) -> tuple[str, ...]:
-    """What to change in which line of which file, where findings say that a stated number is wrong.
+    """Return corrections (file, line, number) where findings show that a stated number is wrong.
 
     Args:
         model: as given, with the files that it was read from.
@@ -45,7 +45,7 @@ def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence
 
 
 def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> Iterator[str]:
-    """Gains in the recordings that state them, else in the model."""
+    """Return corrections of the gains in the recordings that state them, otherwise in the model."""
     if finding.key.axis not in model.axes:
         return
     stating = {r.source: r.controller for r in recordings if r.controller.kind != "unknown" and r.source}
@@ -65,7 +65,7 @@ def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> I
 def _gain(
     file: Path, controller: Controller, name: str, axis: tuple[str, int], scale: Estimate | None
 ) -> str:
-    """One gain of one file, where it is certain to be another one."""
+    """Return the correction of one gain in one file, if the gain is certainly wrong."""
     (called, index), values = axis, getattr(controller, name)
     if scale is None or index >= len(values):
         return ""
@@ -78,7 +78,7 @@ def _gain(
 
 
 def _where(file: Path, table: str, key: str) -> str:
-    """File, line and key of a TOML; without the line where the file has changed since."""
+    """The file, line and key of a TOML number; without the line if the file has changed since loading."""
     try:
         line = toml_line(file.read_text(encoding="utf-8-sig"), table, key)
     except (OSError, UnicodeDecodeError):
@@ -88,13 +88,13 @@ def _where(file: Path, table: str, key: str) -> str:
 
 
 def _shown(file: Path) -> str:
-    """A file as a person finds it: from the working directory where it lies below that."""
+    """Return a path as the user knows it: relative to the working directory if it lies below it."""
     whole, here = file.resolve(), Path.cwd()
     return str(whole.relative_to(here) if whole.is_relative_to(here) else file)
 
 
 def _of_model(model: Model, finding: Finding) -> Iterator[str]:
-    """A number of the model, in its TOML where that states it, else in its MJCF or URDF."""
+    """The correction of a number of the model, in its TOML if stated there, otherwise in its MJCF or URDF."""
     key, applied = finding.key, AppliedEffect(finding.key, finding.parameters)
     name, parameter = _ACTUATORS.get(key.effect, ("", ""))
     in_toml = model.source is not None and model.source.suffix == ".toml"
@@ -121,7 +121,7 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
 
 
 def _changed(old: Sequence[bytes], new: Sequence[bytes]) -> str:
-    """``", line 12"``: the lines of a file that change, or that something is put behind."""
+    """Return ``", line 12"``: the lines of a file that change, or after which text is inserted."""
     blocks = difflib.SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
     lines = [k + (tag != "insert") for tag, k, _, _, _ in blocks if tag != "equal"]
     if not lines:
@@ -137,7 +137,7 @@ def _change(change: Change) -> str:
 
 
 def _short(value: float | np.ndarray) -> str:
-    """Four digits of each number; of a tensor its three diagonal entries."""
+    """Return a number with four digits; of a tensor, its three diagonal entries."""
     numbers = np.diag(value) if np.ndim(value) == 2 else np.atleast_1d(value)
     text = " ".join(f"{v:.4g}" for v in numbers)
     return f"({text})" if np.size(numbers) > 1 else text

@@ -1,4 +1,4 @@
-"""The period of a recorded motion: its folds must not be copies of each other."""
+"""The period of a recorded motion: folds must not be copies of each other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .policy import POLICY
 
 
 def motion_period(recording: Recording) -> int | None:
-    """Period in rows of the motion of all axes; None where it is not periodic.
+    """Return the period, in rows, of the motion of all axes; None if it is not periodic.
 
     The recording has two whole periods at least.
     """
@@ -36,7 +36,9 @@ def motion_period(recording: Recording) -> int | None:
 
 
 def _distance(q: np.ndarray, longest: int) -> np.ndarray:
-    """Mean squared distance over twice the variance of the motion and itself later, by rows of delay."""
+    """Return the mean squared distance between the motion and its delayed copy over twice the variance, by
+    delay in rows.
+    """
     rows, axes = q.shape
     spectrum = np.fft.rfft(q, 2 * rows, axis=0)
     product = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), 2 * rows)[: longest + 1]

@@ -1,4 +1,4 @@
-"""Naming: an effect or its special case, and what is named beside it."""
+"""Naming: which effect, or which special case of it, a finding names, and which effects it lists beside."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def named_beside(
     current: Fit,
     data: Data,
 ) -> list[Explanation]:
-    """Effects with the chosen one as a special case that explain all as well and are no refinement of it.
+    """Return the effects that explain the data equally well and of which the chosen effect is a special case,
+    without its own refinements.
 
     A special case always comes first; beside it they are named where motions do not settle which it is, as of
     a limit that was reached at one speed only. Only effects that can say so are fitted.
@@ -52,7 +53,9 @@ def named_beside(
 def special_case(
     linearisation: Linearisation, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
 ) -> Explanation:
-    """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
+    """Return the chosen effect, or its special case if the data need no more; a line that does not fall with
+    speed is a plain limit.
+    """
     if _can_be_distinguished(chosen) and not _differs(linearisation, found):
         enough = POLICY.chance_gain * max(found.test_loss, test_noise_floor(data))
         special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.test_loss < enough]
@@ -61,7 +64,7 @@ def special_case(
 
 
 def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
-    """Effects and places that no data can distinguish from this one, or no log without measured torque."""
+    """Effects and places that no data can distinguish from this one (or no log without measured torque)."""
     effect = effect_named(key.effect)
     twins = effect.search.twins if key.location == "actuator" else ()
     if key.location == "actuator":
@@ -72,7 +75,7 @@ def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]
 
 
 def _rests_of(effect: Effect, model: Model, key: EffectKey) -> tuple[str, ...]:
-    """Effects of which this one is the rest, where the model has the dry friction that they contain."""
+    """Return effects that this one completes: the model already has the dry friction that they contain."""
     place = Placement.of(model, key)
     whole = [e.name for e in EFFECTS if effect.name in e.search.twins]
     return tuple(whole) if whole and place and own_dry_friction(model, place) else ()

@@ -1,4 +1,4 @@
-"""Nodes of the search: a fit with the steps that led to it, and what is left of the error there."""
+"""Nodes of the search: a fit, the steps that led to it, and the error left there."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .search_result import AcceptedStep
 
 @dataclass(frozen=True)
 class Growth:
-    """How effects are added to a node one by one.
+    """The rules by which effects are added to a node one at a time.
 
     Attributes:
         most: number of effects to add; None: as many as the problem allows.
@@ -76,43 +76,43 @@ class Node:
     enough: bool = False
 
     def begun(self, **changes: Any) -> Node:
-        """A node like this one for a move to change; what was told of this one is not told of it."""
+        """Return a copy of this node for a move to change, without the facts noted about this one."""
         return Node(self.current, self.data, self.steps, self.done, **changes)
 
     @cached_property
     def may_be_named(self) -> bool:
-        """Whether its effects may be named if they explain the recordings."""
+        """Return whether its effects may be named if they explain the recordings."""
         return may_be_named(self.current, self.data)
 
     @property
     def keys(self) -> frozenset[EffectKey]:
-        """Its effects."""
+        """Return the keys of its effects."""
         return self.current.hypothesis.keys
 
     @property
     def size(self) -> int:
-        """Number of its free parameters."""
+        """Return the number of its free parameters."""
         return self.current.hypothesis.size
 
     @property
     def diverges(self) -> bool:
-        """Whether trajectories of its model diverge for small parameter changes."""
+        """Return whether trajectories of its model diverge for small parameter changes."""
         return self.current.hypothesis.diverges
 
 
 def effect_keys(found: Fit) -> frozenset[EffectKey]:
-    """The effects of a fit."""
+    """Return the keys of the effects of a fit."""
     return found.hypothesis.keys
 
 
 def screened_at(current: Fit, data: Data, problem: Problem) -> tuple[Linearisation, Sequence[Candidate]]:
-    """The linearisation about a fit, and every effect screened there."""
+    """Return the linearisation about a fit, and every effect screened there."""
     linearisation = linearisation_at(current, data, problem)
     return linearisation, candidates(linearisation, current, data, problem.seed)
 
 
 def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisation:
-    """The linearisation about a fit, from the cache where the same runs were linearised before."""
+    """Return the linearisation about a fit, from the cache if the same runs were linearised before."""
     if not current.hypothesis.added:
         return problem.linearisation
     for linearisation in problem.linearisations:
@@ -124,7 +124,7 @@ def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisatio
 
 
 def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
-    """The node after some first steps; the start where there are none."""
+    """Return the node after some first steps; the start if there are none."""
     if not steps:
         return Node(problem.start, problem.data)
     data = steps[-1].data
@@ -132,20 +132,20 @@ def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
 
 
 def explained_share(node: Node, problem: Problem) -> float:
-    """Share of the excess at the start that a node explains; of the median recording where runs diverge."""
+    """The share of the excess at the start that a node explains; of the median recording if runs diverge."""
     ends = problem.data, problem.start, node.current, node.data
     return max(explained(*ends), median_explained(*ends) if node.diverges else 0.0)
 
 
 def explains_data(node: Node, problem: Problem) -> bool:
-    """Whether the effects of a node explain the data."""
+    """Return whether the effects of a node explain the data."""
     if node.done or not node.steps:
         return node.done
     return explained_share(node, problem) >= POLICY.explained
 
 
 def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bool = True) -> Node:
-    """The node after further steps, each with the noise floor of its own model.
+    """Return the node after further steps, each with the noise floor of its own model.
 
     `wide`: the floor is at least the divergence of trajectories.
     """
@@ -159,19 +159,19 @@ def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bo
 
 
 def with_last_step(node: Node, last: AcceptedStep, seed: int) -> Node:
-    """The node with another last step, and the noise floor of that."""
+    """Return the node with another last step, and the noise floor of that step."""
     return with_steps(replace(node, steps=node.steps[:-1]), (last,), seed)
 
 
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
-    """Whether the training error is no larger than noise makes it (and, `by_signal`, that of each signal)."""
+    """Whether the training error is no larger than noise makes it (with `by_signal`, for each signal)."""
     scale = Scale.of(data.recordings[: data.training])
     draws = np.stack([data.pool(squares) for squares in data.noise_squares])
     return consistent(data.pool(mean_squares), draws, scale, data.pool(data.immaterial), by_signal=by_signal)
 
 
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:
-    """Data with the noise floor of the fitted model (`wide`: at least its divergence), and its runs.
+    """Return data with the noise floor of the fitted model (`wide`: at least its divergence), and its runs.
 
     Where its loop is unstable under noise, the floor of the model before is kept, and there are no runs.
     """

@@ -1,4 +1,4 @@
-"""The rule by which a node of the search takes the place of the best one so far."""
+"""The rule by which a node of the search replaces the best one so far."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ UNEXPLAINED, CERTAIN, EXPLAINED = range(3)  #: standings of nodes, see `standing
 
 
 def standing(node: Node, problem: Problem) -> int:
-    """How much a node says: it explains the data; its effects are certain though more is missing; neither.
+    """Return the standing of a node: it explains the data; its effects are certain though more is missing; or
+    neither.
 
     Of bold starts there are many, and one of them may explain the data by chance: it has to explain more.
     """
@@ -22,7 +23,7 @@ def standing(node: Node, problem: Problem) -> int:
 
 
 def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
-    """Whether a node takes the place of the best one so far, and why, or why not.
+    """Return whether a node replaces the best one so far, and the reason.
 
     It says more than that; or as much, with at most half of its excess; or with no more than the noise, or
     as well by the rule of the move that made it from another, and no more parameters. Runs that diverge leave
@@ -54,14 +55,16 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
 
 
 def _named(node: Node, stands: int) -> int:
-    """A standing where effects that are certain are at hand: what may not be named says less than they do."""
+    """Return a standing when certain effects are available: an explanation that may not be named ranks below
+    them.
+    """
     if stands < EXPLAINED or node.may_be_named:
         return stands
     return CERTAIN if node.adequacy else UNEXPLAINED
 
 
 def _explains_nearly_all(node: Node, problem: Problem) -> bool:
-    """Whether hardly more than the noise is left, or nearly all is explained."""
+    """Return whether hardly more than the noise is left, or nearly all is explained."""
     if node.done or near_noise_floor(node.current, node.data):
         return True
     share = explained(problem.data, problem.start, node.current, node.data)

@@ -1,4 +1,4 @@
-"""Fit of one effect that the user chooses, whatever a search says."""
+"""Fit of one effect that the user chooses, whatever a search finds."""
 
 from __future__ import annotations
 

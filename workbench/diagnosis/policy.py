@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True)
 class Policy:
-    """The thresholds, a line each: what it means; after the semicolon, what a larger one does.
+    """The thresholds, one on each line: what it means and, after the semicolon, what a larger value does.
 
     An error is a weighted mean square (where it says rms, its root): a *fitted* one of data that were fitted,
     a *test* error of held-out recordings or left-out folds. *Noise* is what a perfect model leaves of it, the
@@ -199,7 +199,8 @@ POLICY = Policy()  #: in force; only `trial` changes it
 
 @contextmanager
 def trial(**changes: float) -> Iterator[Policy]:
-    """`POLICY` with other values for a while, for a sweep or a test; not for threads beside each other.
+    """Set `POLICY` to other values for the duration of a block, for a sweep or a test; not safe across
+    threads.
 
     Args:
         changes: values by the names of fields.

@@ -1,4 +1,4 @@
-"""The problem: a model and its recordings, with what all parts of a search derive from them."""
+"""The problem: a model and its recordings, with everything that the parts of a search derive from them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and e
 
 @dataclass(frozen=True)
 class Problem:
-    """A model and its recordings, and how to search.
+    """A model and its recordings, and the settings of the search.
 
     Attributes:
         start: the model as it is.
@@ -60,20 +60,20 @@ class Problem:
     solved: list[Node | None] = field(default_factory=list, repr=False)
 
     def is_new(self, *begun: object) -> bool:
-        """Whether something is begun for the first time; it is then no longer new."""
+        """Return whether this is the first call with a key; later calls with the same key return False."""
         new = begun not in self.visited
         self.visited.add(begun)
         return new
 
     @cached_property
     def linearisation(self) -> Linearisation:
-        """The loops of the model as it is, linearised."""
+        """Return the linearisation of the loops with the unchanged model."""
         model = self.start.hypothesis.model
         return Linearisation.of(model, self.data, self.start.simulated, len(self.data.recordings))
 
     @cached_property
     def inverse_dynamics(self) -> tuple[Data, Fit, Regression] | None:
-        """The recordings along their measured motion, the model there, and all effects as one problem.
+        """Return the recordings along their measured motion, the model there, and all effects as one problem.
 
         None where nothing drives it there: neither a measured torque nor the law of a loop.
         """
@@ -94,12 +94,13 @@ class Problem:
 
     @property
     def is_expensive(self) -> bool:
-        """Whether screening in the loop is expensive: more axes than effects may be added."""
+        """Whether screening in the loop is expensive: there are more axes than effects that may be added."""
         return self.data.replay.simulates and self.start.hypothesis.model.size > self.limit
 
     @cached_property
     def linear(self) -> Linear | None:
-        """Every effect in every place as one linear problem, round the loops where these are not too large.
+        """Return every effect in every place as one linear problem, round the loops unless these are too
+        large.
 
         None where loops are too large and nothing drives the machine along its measured motion.
         """
@@ -110,18 +111,18 @@ class Problem:
 
     @cached_property
     def screened(self) -> tuple[Candidate, ...]:
-        """Every effect in every place, as a first one."""
+        """Return every effect in every place, screened as a first effect."""
         self.progress("screening effects")
         known = None if self.linear is None else self.linear.equations
         return candidates(self.linearisation, self.start, self.data, self.seed, known)
 
 
 def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
-    """The model as it is, as a fit of nothing."""
+    """Return the fit of the unchanged model, without effects."""
     return evaluated(Hypothesis(model, ()), simulated, data)
 
 
 def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data) -> Fit:
-    """A hypothesis as it is, with its runs of all recordings."""
+    """Return a hypothesis with its current values and its runs of all recordings."""
     unscored = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
     return rescored(unscored, data)

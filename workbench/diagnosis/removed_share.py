@@ -13,7 +13,7 @@ _NONE_TOLERANCE = 1e-12  # squared error above the noise that is none
 
 
 def removed_share(before: float, after: float, floor: float) -> float:
-    """Share of the squared error above the noise that is gone.
+    """Return the share of the squared error above the noise that an effect removes.
 
     Args:
         before: weighted mean square of the error of the model without the effect.
@@ -30,7 +30,7 @@ def removed_share(before: float, after: float, floor: float) -> float:
 def removed_shares(
     before: float, left: Sequence[tuple[EffectKey, float]], floor: float
 ) -> tuple[tuple[EffectKey, float], ...]:
-    """`removed_share` of effects by what each leaves, best first."""
+    """Return the `removed_share` of each effect from the error that it leaves, largest first."""
     shares = ((key, removed_share(before, after, floor)) for key, after in left)
     return tuple(sorted(shares, key=lambda r: -r[1]))
 
@@ -45,7 +45,9 @@ class HeldOutFall:
 
     @property
     def line(self) -> str:
-        """What the effect removes of them, in words: the share of the very errors that stand beside it."""
+        """Return a line that says what share of the held-out errors the effect removes; the errors stand
+        beside it.
+        """
         squares = self.before**2, self.after**2, self.floor**2
         if squares[0] < POLICY.holdout_informative * squares[2]:
             times = self.before / self.floor
@@ -56,11 +58,11 @@ class HeldOutFall:
 
 
 def removes(share: float, data: str) -> str:
-    """A `removed_share` as a clause that names the data; a negative one is told as what was added."""
+    """Return a `removed_share` as a clause that names the data; a negative share reads as an increase."""
     verb, of = ("removes", "of") if share >= 0.0 else ("adds", "to")
     return f"{verb} {shown(abs(share))} {of} the squared error above the noise on {data}"
 
 
 def shown(share: float) -> str:
-    """A share in percent; what is a little over all of it, by noise, is all."""
+    """Return a share in percent; a share slightly above one, by noise, is shown as 100 %."""
     return f"{100.0 * min(max(share, 0.0), 1.0):.1f} %"

@@ -1,4 +1,4 @@
-"""Repeated searches, each in the model that the previous one improved, until nothing more is named."""
+"""Repeated searches, each on the model that the previous search improved, until nothing more is named."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def rounds(
     progress: Progress,
     limit: int | None = None,
 ) -> Rounds:
-    """The results of all searches, the first one in the model as given.
+    """Return the results of all searches, the first one on the model as given.
 
     Which effects of a joint solution are certain depends on what else is in the model: so the search is
     repeated in the improved model until nothing is added.
@@ -59,7 +59,7 @@ def _names(found: SearchResult) -> bool:
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:
-    """Comparisons of the training recordings, and of the held-out ones where there are some."""
+    """Return comparisons of the training recordings and, if there are any, of the held-out ones."""
     data = found.start_data
     training_recordings, test_recordings = slice(0, data.training), slice(data.training, None)
     return [
@@ -69,7 +69,7 @@ def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comp
 
 
 def part_of(runs: Simulated, of: slice) -> Simulated:
-    """The runs of some of the recordings."""
+    """Return the runs of some of the recordings."""
     noisy = tuple(draw[of] for draw in runs.noisy)
     return Simulated(
         runs.recordings[of], runs.clean[of], noisy, runs.noise, runs.shifted[of], runs.creeping[of]

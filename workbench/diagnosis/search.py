@@ -22,12 +22,12 @@ from .search_result import SearchResult
 
 
 class UnstableLoop(SimulationError):
-    """The model as given cannot run in the loops of its recordings."""
+    """Raised if the model as given cannot run in the loops of its recordings."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A model as it is and recordings: the problem, its runs of them, and those to fit as they were given."""
+    """A search request: the problem with the unchanged model, its runs, and the recordings as given."""
 
     problem: Problem
     runs: Simulated
@@ -42,7 +42,7 @@ def ask(
     limit: int | None = None,
     progress: Progress = lambda text: None,
 ) -> Asked:
-    """What is to be searched: the model as it is and its recordings, with their noise.
+    """Return the search request for a model and its recordings, with the noise simulated.
 
     Args:
         model: where to start.
@@ -68,7 +68,7 @@ def ask(
 
 
 def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
-    """The result of a search for missing effects: it ends at the noise floor or where nothing helps.
+    """Return the result of a search, which ends at the noise floor or when nothing helps.
 
     Moves are tried in the order of `moves.order`; `accepts` says which of the nodes they lead to is better.
 
@@ -108,7 +108,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
 
 
 def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
-    """Identifiability and disagreement of the recordings; no linear problem tells but units."""
+    """Return identifiability and disagreement of the recordings; empty if there is no linear problem."""
     recordings = problem.data.recordings
     units = differing_units(recordings)
     if problem.linear is None:

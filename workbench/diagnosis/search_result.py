@@ -24,7 +24,7 @@ from .screening.linear_problem import Linear
 
 @dataclass(frozen=True)
 class AcceptedStep:
-    """One accepted effect, with the fit that has it.
+    """One accepted effect, with the fit that includes it.
 
     Attributes:
         added: the effect.
@@ -56,13 +56,13 @@ class AcceptedStep:
 
     @staticmethod
     def between(before: Fit, found: Fit, added: EffectKey, data: Data, **told: Any) -> AcceptedStep:
-        """The step from one fit to one with an effect more, with what is told of it besides."""
+        """Return the step from one fit to a fit with one more effect, with further facts about the step."""
         share = removed_share(before.test_loss, found.test_loss, test_noise_floor(data))
         folds = int(np.sum(found.fold_losses < before.fold_losses)), len(found.fold_losses)
         return AcceptedStep(added, found, data, share, folds, data.tests_on_holdout, **told)
 
     def indistinguishable_at(self, end: Fit) -> tuple[EffectKey, ...]:
-        """Indistinguishable effects, without those that are in the final fit in any form."""
+        """Return indistinguishable effects, without those that are in the final fit in any form."""
         return tuple(key for key in self.indistinguishable if not has_cause(end, key))
 
 
@@ -72,7 +72,7 @@ def steps_through(
     data: Data,
     told: Callable[[EffectKey], dict[str, Any]] = lambda key: {},
 ) -> tuple[AcceptedStep, ...]:
-    """Steps from a fit through others, each with an effect more, with what is `told` of each besides."""
+    """Steps from a fit through others, each with one more effect; `told` holds further facts about each."""
     steps = []
     for key, fit in found:
         steps.append(AcceptedStep.between(before, fit, key, data, **told(key)))
@@ -81,13 +81,13 @@ def steps_through(
 
 
 def has_cause(found: Fit, key: EffectKey) -> bool:
-    """Whether a fit has a cause in some form."""
+    """Return whether a fit includes a cause in some form."""
     return any(same_cause(key, applied.key) for applied in found.hypothesis.added)
 
 
 @dataclass(frozen=True)
 class SearchResult:
-    """The result of a search: data and fit at the start, accepted steps, first screening, and how it ended.
+    """The result of a search: data and fit at the start, accepted steps, first screening, and why it ended.
 
     `explained` is the share of the excess squared error that is gone; `median_explained` is the same for the
     median recording, where trajectories of the final model diverge (else 0). `adequacy` has the effects that
@@ -117,17 +117,17 @@ class SearchResult:
 
     @property
     def stopped(self) -> Stopped:
-        """Why it ended: noise explains the rest, its budget was spent, or nothing more helps."""
+        """Why the search ended: noise explains the rest, the budget was spent, or nothing more helps."""
         if self.consistent_before or self.consistent_after:
             return "noise"
         return "budget" if self.start_data.budget.spent else "nothing_helps"
 
     @property
     def final(self) -> Fit:
-        """The last accepted fit."""
+        """Return the last accepted fit."""
         return self.steps[-1].fit if self.steps else self.start
 
     @property
     def final_data(self) -> Data:
-        """The recordings with the floor of the last accepted model."""
+        """Return the recordings with the noise floor of the last accepted model."""
         return self.steps[-1].data if self.steps else self.start_data

@@ -17,7 +17,7 @@ INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 
 
 def identifiable(linearisation: Linearisation, found: Fit) -> bool:
-    """Whether the motions identify each free effect, and none is at its physical bound."""
+    """Return whether the motions identify each free effect, and none is at its physical bound."""
     return all(
         told_by_motion(linearisation, a, found) and not _at_its_limit(found.hypothesis.model, a)
         for a in found.hypothesis.free
@@ -25,7 +25,8 @@ def identifiable(linearisation: Linearisation, found: Fit) -> bool:
 
 
 def told_by_motion(linearisation: Linearisation, applied: AppliedEffect, found: Fit) -> bool:
-    """Whether the motions tell one of the free effects, also from what others there follow.
+    """Return whether the motions identify each of the free effects, also beside effects whose torque it
+    resembles.
 
     A spring and a wave over a short arc are two terms of a series: they follow any spring.
     """
@@ -46,7 +47,7 @@ def told_by_motion(linearisation: Linearisation, applied: AppliedEffect, found: 
 
 
 def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
-    """Whether an effect is at its physical bound: then it approximates another cause."""
+    """Return whether an effect is at its physical bound: then it approximates another cause."""
     effect = effect_named(applied.key.effect)
     coefficients, shape = effect.parameters.to_coefficients(applied.values)
     lower, upper = effect.parameters.bounds(model, Placement.of(model, applied.key), shape)
@@ -56,7 +57,7 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
 
 
 def is_significant(applied: AppliedEffect, deviations: float | None = None) -> bool:
-    """Whether an estimate differs significantly from its neutral value.
+    """Return whether an estimate differs significantly from its neutral value.
 
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
@@ -65,13 +66,13 @@ def is_significant(applied: AppliedEffect, deviations: float | None = None) -> b
 
 
 def significance(applied: AppliedEffect) -> float:
-    """How many standard deviations the clearest parameter is from its neutral value."""
+    """Return by how many standard deviations the clearest parameter differs from its neutral value."""
     estimates = [(applied.parameters[p.name], p.neutral) for p in sizes_of(applied)]
     return max((abs(e.value - none) / max(e.std, 1e-300) for e, none in estimates), default=0.0)
 
 
 def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
-    """The parameters that say how large an effect is, not where or in which shape; all where none does."""
+    """Return the parameters that give the size of an effect, not its place or shape; all if none does."""
     effect = effect_named(applied.key.effect)
     there = [p for p in effect.parameters if p.name in applied.parameters]
     turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]

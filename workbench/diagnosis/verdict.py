@@ -14,7 +14,7 @@ NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 
 
 def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
-    """The verdict, and overestimated parameters where they were searched."""
+    """Return the verdict, and overestimated parameters if they were searched for."""
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
     explains = found.consistent_after or max(found.explained, found.median_explained) >= POLICY.explained
@@ -30,7 +30,7 @@ def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
 
 
 def refuted(found: SearchResult) -> bool:
-    """Whether the held-out error contradicts a fit that explains the training recordings.
+    """Return whether the held-out error contradicts a fit that explains the training recordings.
 
     Where the holdout was informative from the start, it is part of the share that is explained.
     """

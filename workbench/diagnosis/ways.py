@@ -1,4 +1,4 @@
-"""Of several ways in which a loop may have worked, the one that needs least."""
+"""The choice among several assumptions on how a loop works: the one that needs fewest effects."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _RIDGE = 1e-12  # beside scores, which may be none
 
 @dataclass(frozen=True)
 class Way:
-    """Recordings to fit and to test by one way in which their loops may have worked.
+    """Recordings to fit and to test under one assumption on how their loops work.
 
     Attributes:
         training, held_out: the recordings.
@@ -53,7 +53,8 @@ class Way:
         limit: int | None,
         progress: Progress,
     ) -> Way:
-        """A way in which the loops worked; along the measured motion where the model is unstable in them.
+        """Return the assumption with its recordings; along the measured motion if the model is unstable in
+        the loop.
 
         Missing friction and rotor inertia may be what keeps the machine's loop stable.
 
@@ -69,7 +70,7 @@ class Way:
             return Way(training, held_out, ask(model, along, tests, seed, limit, progress), error)
 
     def searched(self, *, only_jointly: bool = False) -> SearchResult:
-        """The result of a search.
+        """Return the result of a search.
 
         Raises:
             UnstableLoop: the model is unstable in the loops, and the torque does not show why.
@@ -89,7 +90,7 @@ def best_way(
     limit: int | None,
     progress: Progress,
 ) -> tuple[SearchResult, Way]:
-    """The result by the way of the loops that needs least, and that way.
+    """Return the result, and the assumption on the loops, that needs fewest effects.
 
     Args:
         model, training, held_out, seed, limit, progress: as of `search.ask`.
@@ -124,7 +125,7 @@ def _refuse_wrong_sign(asked: Asked) -> None:
 
 
 def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
-    """The ways in which the joint solution leaves no more than noise; else the simplest that explain as much.
+    """Return assumptions whose joint solution leaves only noise; otherwise the simplest that explain as much.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
     what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say. All
@@ -149,14 +150,14 @@ def _is_at_noise(found: SearchResult) -> bool:
 
 
 def _ties(found: Sequence[SearchResult]) -> list[int]:
-    """Which results leave as little as the best; below the noise none explains more than another."""
+    """Return which results leave as little as the best; below the noise all count as equal."""
     noise = min(map(_noise, found))
     most = (1.0 + POLICY.tie) * max(noise, min(map(_error, found)))
     return [k for k, each in enumerate(found) if _error(each) <= most]
 
 
 def _covering(found: SearchResult, others: Sequence[Fit]) -> SearchResult:
-    """The result with intervals that cover the same effects by other ways in which the loop may work."""
+    """Return the result with intervals that also cover the values under the other assumptions on the loop."""
     own, alike = found.final, []
     for other in others:
         there = {(a.key, tuple(a.parameters)): a for a in other.hypothesis.free}
@@ -171,19 +172,19 @@ def _covering(found: SearchResult, others: Sequence[Fit]) -> SearchResult:
 
 
 def _error(found: SearchResult) -> float:
-    """The score in the end, on recordings that were not fitted where there are some."""
+    """Return the final score, on recordings that were not fitted if there are some."""
     return _RIDGE + found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
 
 
 def _noise(found: SearchResult) -> float:
-    """The same of noise alone."""
+    """Return the same score of noise alone."""
     return _RIDGE + found.final_data.score(found.final_data.floor, held_out=found.start_data.held_out)
 
 
 def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
 ) -> list[tuple[tuple[Recording, ...], tuple[Recording, ...]]]:
-    """Recordings to fit and to test, by all answers that may be right to what their logs leave open."""
+    """Return recordings to fit and to test, for each plausible answer to what their logs leave open."""
     ways = matched_ways(model, (*training, *held_out))
     count = len(training)
     fitted, tests = ways[0][:count], ways[0][count:]

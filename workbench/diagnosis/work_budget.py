@@ -14,7 +14,7 @@ _TICK_S = 1e-3  # simulation takes no longer steps, however seldom was recorded
 
 @dataclass
 class WorkBudget:
-    """Work of one search, counted in steps and not timed, so that it ends at the same place on any machine.
+    """Work of one search, counted in steps instead of time, so that it ends at the same place on any machine.
 
     Attributes:
         most: steps after which nothing new is begun.
@@ -26,13 +26,13 @@ class WorkBudget:
 
     @staticmethod
     def for_search(recordings: Sequence[Recording], simulates: bool = True) -> WorkBudget:
-        """The budget of a search on these recordings; unlimited where nothing is simulated."""
+        """Return the budget of a search on these recordings; unlimited if nothing is simulated."""
         least = POLICY.budget_runs * _steps(recordings)
         return WorkBudget(max(POLICY.budget_steps, least) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:
-        """Whether the budget is used up."""
+        """Return whether the budget is used up."""
         return self.done > self.most
 
     def add(self, recordings: Sequence[Recording], runs: int = 0, columns: int = 0) -> None:

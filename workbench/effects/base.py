@@ -1,4 +1,4 @@
-"""What a physical effect is: parameters, a stage, an equation, the same physics in MuJoCo."""
+"""The base class of physical effects: parameters, a stage, an equation, and the same physics in MuJoCo."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class SignalStage(IntEnum):
 
 
 class FrfSignature(Enum):
-    """What an effect leaves in a measured frequency response over the model's own."""
+    """The change that an effect makes to a measured frequency response, relative to the model's own."""
 
     DELAY = auto()  # a phase that falls in proportion to frequency
     GAIN = auto()  # the same factor at all frequencies
@@ -43,7 +43,7 @@ class FrfSignature(Enum):
 
 @dataclass(frozen=True)
 class Words:
-    """What a person is told of an effect.
+    """The texts that describe an effect to the user.
 
     Attributes:
         source: where the equation comes from.
@@ -57,12 +57,12 @@ class Words:
     shows: str
     reveal: str
     mujoco: str
-    needs: str = "to be there once at most"
+    needs: str = "to be present at most once"
 
 
 @dataclass(frozen=True)
 class Search:
-    """What a search for the cause goes by beside the equation; all of it may be left out.
+    """Optional hints for the search, beside the equation.
 
     Attributes:
         contains: simpler effects in the same place that it has as special cases.
@@ -127,21 +127,21 @@ class Effect(ABC):
     corrects: ClassVar[AtJoint | OfBody | None] = None
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """Whether it can be added to this model in this place (and is not there already)."""
+        """Return whether it can be added to this model in this place (and is not there already)."""
         del key
         return model.size > 0
 
     def site(self, model: Model) -> str | None:
-        """The MJCF site that it hangs on in this model; None where it hangs on none."""
+        """Return the MJCF site of the effect in this model; None if it has none."""
         del model
         return None
 
     @abstractmethod
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """The effect's torque along a motion, given the nonlinear parameters in `shape`."""
+        """Return the effect's torque along a motion, given the nonlinear parameters in `shape`."""
 
     def before(self, motion: Motion, place: Place, values: Values) -> Motion:
-        """The motion as the chain saw it before this effect was installed with these values."""
+        """Return the motion as the chain saw it before this effect was installed with these values."""
         del place, values
         return motion
 
@@ -151,12 +151,12 @@ class Effect(ABC):
 
 
 def model_value(effect: Effect, model: Model, place: Place, values: Values) -> float | None:
-    """What a model has of the one number that an effect of these values corrects; None: it corrects none."""
+    """The model's value of the number that an effect of these values corrects; None if it corrects none."""
     own = effect.corrects and effect.corrects.told_by(values).own
     return own(model, place) if own and place else None
 
 
 def is_rotary(model: Model, axis: str) -> bool:
-    """Whether an axis turns, by the joint that its drive moves first."""
+    """Return whether an axis turns, by the joint that its drive moves first."""
     row = np.abs(model.transmission[model.axes.index(axis)])
     return joint_kinds(model)[int(row.argmax())] == "hinge"

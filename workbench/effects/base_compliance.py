@@ -1,4 +1,4 @@
-"""A fixture that gives way under the machine."""
+"""A fixture under the machine that moves with the machine's forces."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class FlankTerm:
 
 @dataclass
 class SensorErrors:
-    """What lies between the drives' true motion and what the log and the controller read of it.
+    """Errors between the drives' true motion and what the log and the controller read.
 
     Per axis, arrays (n,), actuator coordinates:
 
@@ -77,20 +77,20 @@ class SensorErrors:
 
     @staticmethod
     def of(size: int) -> SensorErrors:
-        """Sensors that tell the truth."""
+        """Return sensors without errors."""
         zero = np.zeros(size)
         return SensorErrors(zero.copy(), np.ones(size), zero.copy(), zero.copy(), zero.copy())
 
     @property
     def none(self) -> bool:
-        """Whether they tell the truth."""
+        """Return whether there is no error."""
         errors = self.offset, self.scale - 1.0, self.sine, self.cosine, self.lag, self.delay_s
         return not any(np.any(e) for e in errors)
 
 
 @dataclass
 class TorqueChain:
-    """What happens between `torque_command` and the mechanism, in the order of these fields.
+    """The steps between `torque_command` and the mechanism, in the order of these fields.
 
     command -> `delay_s` -> `limit` -> `stall`, `no_load` -> `lag` -> **torque_measured** -> `gain` ->
     `heating`, `heat_time` -> `bias` -> `torques` -> `friction`, `hysteresis`, `flanks` -> mechanism. Arrays
@@ -120,7 +120,7 @@ class TorqueChain:
 
     @staticmethod
     def of(model: Model) -> TorqueChain:
-        """The chain of a model's drives before any effect."""
+        """Return the chain of a model's drives before any effect."""
         one = np.ones(model.size)
         return TorqueChain(
             delay_s=model.actuators.delay_s,
@@ -140,13 +140,13 @@ class TorqueChain:
 
     @property
     def follows_state(self) -> bool:
-        """Whether torques or friction bounds are to be set step by step."""
+        """Return whether torques or friction bounds must be set step by step."""
         return bool(self.torques or self.friction or self.hysteresis or self.flanks)
 
 
 @dataclass
 class Build:
-    """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it.
+    """A model during construction: the spec that effects edit, and the chain in front of it.
 
     `links`: the spec that has the links, another one only where drives carry them. `rows`: the joints that
     each axis's tendon wraps, with their coefficients. `contacts`: pairs of the ground and each foot, none
@@ -164,7 +164,7 @@ class Build:
 
     @staticmethod
     def of(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:
-        """A model before any effect: its serial tree, and the chain of its drives."""
+        """Return a model before any effect: its serial tree, and the chain of its drives."""
         rows = {
             axis_tendon(i, location): {
                 name: float(c) for name, c in zip(model.joints, row, strict=True) if c and name not in held

@@ -1,4 +1,4 @@
-"""A model's effects held against the catalogue: names, places, parameters, physical bounds."""
+"""A model's effects checked against the catalogue: names, places, parameters, physical bounds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .catalogue import effect_named
 
 
 def load_model(path: str | Path) -> Model:
-    """Read a model and check its effects against the catalogue.
+    """Return a model whose effects were checked against the catalogue.
 
     Raises:
         InputError: anything wrong with the file or its effects, in one line.
@@ -28,7 +28,7 @@ def load_model(path: str | Path) -> Model:
 
 
 def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
-    """One effect with its units filled in.
+    """Return one effect with its units filled in.
 
     Raises:
         InputError: wrong place, unknown or missing parameter, value outside its physical bounds.
@@ -86,10 +86,10 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
 
 
 def axis_unit(model: Model, axis: str) -> str:
-    """``rad`` or ``m``: what an axis's position is measured in."""
+    """Return ``rad`` or ``m``: the unit of an axis's position."""
     return axis_units(model)[model.axes.index(axis)]
 
 
 def axis_units(model: Model) -> tuple[str, ...]:
-    """``rad`` or ``m`` per axis, by the joint that its drive moves first."""
+    """Return ``rad`` or ``m`` per axis, by the joint that its drive moves first."""
     return tuple("rad" if is_rotary(model, axis) else "m" for axis in model.axes)

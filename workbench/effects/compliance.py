@@ -1,4 +1,4 @@
-"""Springs and gaps: effects that let motors, links or the base move apart."""
+"""Springs and gaps: effects that let motors, links or the base move relative to each other."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .parameter import Place, Values
 
 
 class Compliance(Effect):
-    """An effect that gives the tree new joints, and so is installed before anything sits on it.
+    """An effect that gives the tree new joints, and therefore is installed first.
 
     No sensor shows where its links are. The torque lacking along a motion says much of it, and closed loops
     are dear to simulate: so its first values come from there.
@@ -35,7 +35,7 @@ class Compliance(Effect):
     diverges: ClassVar[bool] = False
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """Where a rotor can be taken off its link: once, and where its inertia is its own."""
+        """Return whether a rotor can be separated from its link, once, and has its own inertia."""
         if key.axis is None or any(gives_way(e.key.effect) and _same(e.key, key) for e in model.effects):
             return False
         row = model.transmission[model.axes.index(key.axis)]
@@ -46,10 +46,10 @@ class Compliance(Effect):
     def initial_values(
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
-        """Shapes to try, best first, each with the share of the lacking torque that it leaves."""
+        """Return shapes to try, best first, each with the share of the residual torque that it leaves."""
 
     def free_responses(self, motion: Motion, model: Model, place: Place, shape: Values) -> np.ndarray:
-        """What states that no sensor shows add to the response, by where they begin: (N, n, states).
+        """Return what unmeasured states add to the response, by their initial values: (N, n, states).
 
         One column for each state that begins at one; none where the response knows its beginning.
         """
@@ -57,13 +57,13 @@ class Compliance(Effect):
         return np.zeros((*motion.position.shape, 0))
 
     def foretells(self, motions: Sequence[Motion], model: Model, place: Place, shape: Values) -> bool:
-        """Whether its response says something by itself, where it asks measured torque for its state."""
+        """Return whether its response is informative without measured torque for its state."""
         del motions, model, place, shape
         return True
 
 
 def gives_way(effect: str) -> bool:
-    """Whether an effect of this name is a spring or a gap."""
+    """Return whether an effect of this name is a spring or a gap."""
     return any(getattr(kind, "name", "") == effect for kind in _kinds(Compliance))
 
 

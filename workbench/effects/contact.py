@@ -1,4 +1,4 @@
-"""Effects of a foot on the ground, which only recordings with measured forces show."""
+"""Effects of a foot on the ground, visible only in recordings with measured forces."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from .parameter import Place, Values
 from .response import Response
 
 #: What a model must have for one to apply.
-NEEDS = "a [ground] table, and to be there once at most"
+NEEDS = "a [ground] table, and to be present at most once"
 
 
 class OnGround(Effect):
-    """An effect of a contact, in place of what the model's ground has."""
+    """An effect of a contact, which replaces what the model's ground states."""
 
     stage = SignalStage.MECHANISM
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """Where the model has a ground, once."""
+        """Return whether the model has a ground and no such effect yet."""
         return model.ground is not None and not model.has(self.name)
 
     @abstractmethod
     def initial_values(self, motions: Sequence[Motion]) -> Sequence[Values]:
-        """Shapes to try by what feet did along motions; none where they show nothing."""
+        """Return shapes to try, from what feet did along motions; none if they show nothing."""
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """No torque that a motion alone would tell; simulations do."""
+        """Return no torque: a motion alone does not determine it, a simulation does."""
         return Response(np.zeros((0, *motion.position.shape)), offset=np.zeros_like(motion.position))

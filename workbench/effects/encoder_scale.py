@@ -1,4 +1,4 @@
-"""An encoder that counts more or less than one turn a turn."""
+"""An encoder whose counts per turn differ from the stated number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a file with new numbers is the machine that a model with effects is."""
+"""Check that a file with new numbers is the same machine as a model with effects."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _POSTURES = 8
 
 
 def check_same(model: Model, file: Path, content: bytes) -> None:
-    """Compare the model with one that has this content in the place of a file, and no effects.
+    """Compare the model with one that reads this content in place of a file and has no effects.
 
     Mass matrix, forces of gravity and motion, those of springs and dampers, and dry friction, at random
     postures and speeds.
@@ -64,7 +64,7 @@ def _numbers(m: mujoco.MjModel) -> tuple[np.ndarray, ...]:
 
 
 def _dry(m: mujoco.MjModel) -> np.ndarray:
-    """Dry friction of joints, that of tendons on one joint with it, and of each other tendon."""
+    """Return the dry friction of joints (with that of tendons on one joint) and of each other tendon."""
     joints, others = m.dof_frictionloss.copy(), m.tendon_frictionloss.copy()
     for k in range(m.ntendon):
         row = np.abs(tendon_row(m, m.tendon(k).name))
@@ -75,7 +75,7 @@ def _dry(m: mujoco.MjModel) -> np.ndarray:
 
 
 def _copy(serial: Path, folder: Path, file: Path, content: bytes) -> Path:
-    """The serial tree and all that it reads in a folder, with this content in the place of one file."""
+    """Return a folder with the serial tree and all files it reads, with this content in place of one file."""
     for each in [serial] if is_urdf(serial) else check_mjcf(serial):
         target = folder / os.path.relpath(each, serial.parent)
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""A link whose centre of mass, or mass, is not where the model has it."""
+"""A link whose centre of mass, or mass, differs from the model's."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ _LEAST = 0.05  # of the model's mass, that any link keeps
 
 
 def _changed(inertial: Inertial, link: Link, values: Values) -> Inertial:
-    """What a link is with this effect: the mass first, then the moment that it does not bring."""
+    """Return the link with this effect: the mass first, then the rest of the moment."""
     mass = values.get("mass", 0.0)
     moment = values["along"] * link.along + values["across"] * link.across
     return with_moment(with_mass(inertial, mass), moment - mass * _lever(inertial, link))
 
 
 def _lever(inertial: Inertial, link: Link) -> np.ndarray:
-    """From the hinge to the centre, square to the axis, (3,)."""
+    """Return the vector from the hinge to the centre, perpendicular to the axis, (3,)."""
     arm = inertial.centre - link.anchor
     return arm @ link.along * link.along + arm @ link.across * link.across
 
 
 def _now(model: Model, place: Place) -> Link:
-    """The link with what the model has of this effect."""
+    """Return the link with the model's share of this effect."""
     link = link_at(model, place)
     for values in there("first_moment_error", model, place):
         link = replace(link, inertial=_changed(link.inertial, link, values))
@@ -45,7 +45,7 @@ def _now(model: Model, place: Place) -> Link:
 
 
 def _within(which: int, model: Model, place: Place) -> tuple[float, float]:
-    """The centre stays within the reach of its link, whichever way."""
+    """Return whether the centre stays within the reach of its link, in every direction."""
     link = _now(model, place)
     way = (link.along, link.across)[which]
     own = link.inertial.mass * float(way @ _lever(link.inertial, link))

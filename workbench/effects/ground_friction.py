@@ -1,4 +1,4 @@
-"""How much a foot on the ground holds."""
+"""Friction between a foot and the ground."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was found, in the numbers of the user's own MJCF or URDF, of which all else stays as it is."""
+"""Found effects as numbers of the user's own MJCF or URDF, in which everything else stays as it is."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _ROUNDING = 1e-9  # of what the file has: how far a total may fall short of noth
 
 @dataclass(frozen=True)
 class Change:
-    """A number that a file had, and has now.
+    """A number of a file: its old and its new value.
 
     `joint`: at or behind which joint, or at which tendon; `number`: as MJCF calls it, and ``mass``,
     ``centre`` (3,) or ``inertia`` (3, 3) of the body that it carries, in its own frame. SI, rad.
@@ -98,7 +98,7 @@ def into_file(model: Model, file: Path) -> InFile:
 
 
 def open_text(model: Model, file: Path) -> XmlText:
-    """The text of a file that a model stands on.
+    """Return the text of the file that a model is based on.
 
     Raises:
         InputError: it is none of the model's, or cannot be read.
@@ -118,7 +118,7 @@ def _kind(number: JointNumber | BodyNumbers) -> str:
 
 
 def _where(model: Model, number: JointNumber | BodyNumbers) -> str:
-    """Which file of the model has the joint."""
+    """Return the file of the model that has the joint."""
     for each in check_mjcf(model.serial):
         if each.suffix.lower() == ".xml" and MjcfText(XmlText(each.read_bytes(), each)).has(
             number.joint, _kind(number)
@@ -130,7 +130,7 @@ def _where(model: Model, number: JointNumber | BodyNumbers) -> str:
 def _joints(
     model: Model, target: MjcfText | UrdfText, numbers: Sequence[JointNumber], file: Path
 ) -> list[Change]:
-    """Totals at the joints: what the file has, and all that is more or less of it."""
+    """Return totals at the joints: the file's numbers plus all changes."""
     spec = load_tree(model.serial)
     m, changes = spec.compile(), list[Change]()
     totals: dict[tuple[str, str], dict[str, float]] = {}
@@ -159,7 +159,7 @@ def _joints(
 
 
 def _stated(m: mujoco.MjModel, name: str, kind: str, number: str) -> float:
-    """What the file has of a number of a joint or tendon."""
+    """Return the file's value of a number of a joint or tendon."""
     if kind == "tendon":
         return float(getattr(m, f"tendon_{number}")[m.tendon(name).id])
     own, dof = m.joint(name), int(m.joint(name).dofadr[0])
@@ -171,7 +171,7 @@ def _stated(m: mujoco.MjModel, name: str, kind: str, number: str) -> float:
 
 
 def _bodies(held: Model, target: MjcfText | UrdfText, numbers: Sequence[BodyNumbers]) -> list[Change]:
-    """Inertials of bodies, as the model with its effects has them."""
+    """Return inertials of bodies of the model with its effects."""
     if not numbers:
         return []
     m, made = load_tree(held.serial).compile(), compile_plant(held).mujoco

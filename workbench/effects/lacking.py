@@ -1,4 +1,4 @@
-"""The torque that a model lacks along a motion, and which spring, gap or base would give it.
+"""The residual torque along a motion, and the spring, gap or base that would explain it.
 
 A closed loop is dear to simulate. Along the motion that the motors made no loop needs to be closed: whatever
 hangs on them through a spring obeys an equation of its own, and the shape of an effect follows by least
@@ -25,7 +25,7 @@ _APART = 0.3  # in the logarithm of a value: starts nearer to each other lead to
 
 @dataclass(frozen=True)
 class Lack:
-    """What one motion asks of a spring.
+    """What one motion requires of a spring.
 
     Attributes:
         step: of the rows [s].
@@ -57,12 +57,13 @@ class Lack:
         )
 
     def left(self, answer: np.ndarray) -> np.ndarray:
-        """What is still missing (M * n,) where the spring answers so (N,)."""
+        """Return the torque still missing (M * n,) if the spring responds like (N,)."""
         return (self.missing - self.column * answer[self.rows, None]).ravel()
 
 
 def lacking(motion: Motion, model: Model) -> np.ndarray:
-    """Torque on the drives (N, n) that the motion needs by the model beyond what the motors gave.
+    """Return the torque on the drives (N, n) that the model needs for the motion beyond the motors'
+    torque.
 
     A torque is the mean over the step after its row, so that two of them lie about the row.
     """
@@ -72,12 +73,13 @@ def lacking(motion: Motion, model: Model) -> np.ndarray:
 
 
 def share_left(lacks: Sequence[Lack], left: np.ndarray) -> float:
-    """What share of the squared torque that is missing a residual (M,) is."""
+    """Return the share of the squared residual torque that a remainder (M,) is."""
     return float(np.sum(left**2) / max(sum(float(np.sum(x.missing**2)) for x in lacks), 1e-300))
 
 
 def refined(left: Callable[[np.ndarray], np.ndarray], starts: Sequence[Sequence[float]]) -> np.ndarray:
-    """Positive values that leave least, by least squares on their logarithms from the best of many starts.
+    """Return positive values that leave least, by least squares on their logarithms from the best of many
+    starts.
 
     Args:
         left: values (k,) -> residual (M,).

@@ -22,14 +22,14 @@ _LEAST = 0.05  # of the model's, that any body of its size keeps
 
 
 def _own(model: Model, place: Placement) -> float:
-    """What the file states, and what was added."""
+    """Return what the file states plus what was added."""
     link = link_at(model, place)
     own = float(link.axis @ link.inertial.tensor @ link.axis)
     return own + added("link_inertia_error", "inertia", model, place)
 
 
 def _most_less(model: Model, place: Placement) -> float:
-    """A twentieth of what the model has stays."""
+    """Return the largest decrease: a twentieth of the model's value stays."""
     return (1.0 - _LEAST) * _own(model, place)
 
 
@@ -61,7 +61,9 @@ class LinkInertiaError(Effect):
     search = Search(tier=1)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """To a hinge whose body has a mass and is turned by another axis too: else it is the rotor's."""
+        """Return True for a hinge whose body has a mass and is turned by another axis too; otherwise it
+        is the rotor's.
+        """
         link = link_of(model, key.axis)
         turned = link is not None and link.carried and not link.slides
         return turned and not is_parallelogram(model)

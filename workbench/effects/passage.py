@@ -158,7 +158,7 @@ def _means(values: np.ndarray, rows: int) -> np.ndarray:
 
 
 def _grid(*values: Sequence[float] | np.ndarray) -> np.ndarray:
-    """All combinations, one a row."""
+    """All combinations, one per row."""
     return np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, len(values))
 
 

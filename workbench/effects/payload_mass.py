@@ -1,4 +1,4 @@
-"""A mass that the model does not know of, at the payload site."""
+"""A mass at the payload site that the model does not contain."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class PayloadMass(Effect):
     search = Search(frf_signature=FrfSignature.EVEN, basic=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """Where the model says which site carries it."""
+        """Return whether the model names a site that carries it."""
         return model.payload_site is not None
 
     def site(self, model: Model) -> str | None:
-        """The payload's."""
+        """Return the payload's site."""
         return model.payload_site
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:

@@ -69,7 +69,7 @@ class PreslidingHysteresis(Effect):
         reveal="small slow reversals within the presliding distance, then larger ones",
         mujoco="state of a tendon's spring, step by step; as plain MJCF a spring with `springyield` "
         "(MuJoCo 4), "
-        "which yields at once where this one does by and by",
+        "which yields at once, whereas this effect yields gradually",
     )
     search = Search(contains=("coulomb_friction",), frf_signature=FrfSignature.ODD, hidden_state=True)
 

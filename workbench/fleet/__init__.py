@@ -1,4 +1,4 @@
-"""Many logs of many robots: one diagnosis a robot, side by side, and what robots have in common."""
+"""Many logs of many robots: one diagnosis per robot, side by side, and what robots have in common."""
 
 from .page import fleet_sheet
 from .result import fleet_dict, summarise

@@ -39,7 +39,7 @@ def find_robots(
     Args:
         paths: recordings, patterns of them (``"logs/**/*.toml"``) or folders, which are searched.
         models: a model for all robots; ``RIG=MODEL`` for those whose name fits the pattern RIG, the last that
-            fits counts. A folder as MODEL has one file a robot, ``NAME.toml``, ``NAME.xml`` or ``NAME.urdf``.
+            fits counts. A folder as MODEL has one file per robot: ``NAME.toml``, ``.xml`` or ``.urdf``.
         held_out: patterns of names of recordings that judge; without them, one in four of each robot with
             three or more, chosen by its name alone, whatever the order and place of the files.
 

@@ -39,7 +39,7 @@ def run_fleet(
 
     Args:
         robots: of `find_robots`.
-        folder: for results, one file a robot, and improved models; on a cluster, one that all machines see.
+        folder: for results, one file per robot, and improved models; on a cluster, one that all machines see.
         seed: of the noise simulations.
         jobs: workers; -1 for as many as there are cores, here or in the cluster.
         ray: address of a Ray cluster (``"auto"`` for the one of this machine); None for this machine's cores.

@@ -13,7 +13,7 @@ _SURE = 0.05  # chance that any of a fleet of equals is said to stand out
 
 @dataclass(frozen=True)
 class Spread:
-    """Estimates of one parameter, one a robot.
+    """Estimates of one parameter, one per robot.
 
     Attributes:
         mean: over robots, weighted by what is known of each and by how much they differ.

@@ -15,7 +15,7 @@ from .result import Fleet
 
 
 def fleet_table(fleet: Fleet) -> Group:
-    """Verdict, a row a robot, a row an effect, and who stands out."""
+    """Verdict, a row per robot, a row per effect, and who stands out."""
     robots = table("robot", "verdict", ("x noise", "right"), ("after", "right"), "held-out", "what was found")
     robots.columns[0].overflow = robots.columns[5].overflow = "fold"
     for r in fleet.robots:

@@ -30,7 +30,7 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What to play: E experiments of n axes, N samples a period.
+    """What to play: E experiments of n axes, N samples per period.
 
     Attributes:
         name: the design's name.

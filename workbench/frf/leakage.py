@@ -25,7 +25,7 @@ def spectra_between(
 
     Args:
         columns: P whole periods, P >= 2, shape (P rows, nz).
-        rows: rows a period.
+        rows: rows per period.
         lines: harmonics of the period, (L,).
 
     Returns:

@@ -38,7 +38,7 @@ def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tr
     Args:
         lines: harmonics, ascending, shape (F,).
         amplitudes: of each line, shape (F,).
-        rows: samples a period.
+        rows: samples per period.
         tries: rounds of clipping.
 
     Returns:
@@ -75,7 +75,7 @@ def synthesise(lines: np.ndarray, spectrum: np.ndarray, rows: int) -> np.ndarray
     Args:
         lines: harmonics, each below rows / 2, shape (F,).
         spectrum: amplitude times exp(j phase) of each line, shape (..., F).
-        rows: samples a period.
+        rows: samples per period.
 
     Returns:
         Samples, shape (..., rows).

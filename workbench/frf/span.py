@@ -23,7 +23,7 @@ class Span:
     Attributes:
         recording, choice: the experiment and its signals.
         period: in rows of the recording.
-        rows: rows a period that `columns` gives.
+        rows: rows per period that `columns` gives.
         first, last: the recording's rows first to last - 1.
         count: how many periods.
     """

@@ -45,7 +45,7 @@ def period_spectra(columns: np.ndarray, rows: int, lines: np.ndarray) -> np.ndar
 
     Args:
         columns: P whole periods, shape (P rows, nz).
-        rows: rows a period.
+        rows: rows per period.
         lines: harmonics, each below rows / 2, shape (L,).
 
     Returns:
@@ -82,7 +82,7 @@ def reduce(
 
     Args:
         columns: P whole periods, (P rows, nz).
-        rows: rows a period.
+        rows: rows per period.
         lines: harmonics wanted, (L,).
         excited: which of them were excited and so can tell a transient, (L,) bool.
         transient: periods to drop; None finds out.

@@ -22,7 +22,7 @@ def with_actuator(model: Model, *found: ActuatorIdentification) -> Model:
 
     Args:
         model: the model.
-        found: one drive that stands for all, or one an axis; the model has one delay, their mean.
+        found: one drive that stands for all, or one per axis; the model has one delay, their mean.
 
     Raises:
         InputError: another number of drives.

@@ -23,7 +23,7 @@ _STRAYED = 0.2  # rad or m between a start posture and that which was assembled
 
 @dataclass(frozen=True)
 class Drives:
-    """The motors, one value a drive.
+    """The motors, one value per drive.
 
     Attributes:
         gear: ratio N from rotor to output.

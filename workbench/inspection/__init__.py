@@ -1,4 +1,4 @@
-"""What recordings say about themselves, before any model: swaps, signs, units, gains, clocks, limits."""
+"""Inspection: what recordings show without any model (swaps, signs, units, gains, clocks, limits)."""
 
 from .inspect import inspect
 from .result import Inspection, Remark, inspection_dict

@@ -1,4 +1,4 @@
-"""The logged command against the controller that the recording states: ticks, gains, signs, swaps."""
+"""The logged command compared with the stated controller: ticks, gains, signs, swaps."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
 
 
 def _measured(recording: Recording, transmission: np.ndarray | None) -> list[Remark]:
-    """A measured torque, without a command beside it, that is a clear multiple of what the law asks for."""
+    """Return a remark if a measured torque without a command is a clear multiple of the law's command."""
     c, torque = recording.controller, recording.get("torque_measured")
     if c.kind != "pd" or torque is None or recording.get("position_reference") is None:
         return []
@@ -93,7 +93,9 @@ def _measured(recording: Recording, transmission: np.ndarray | None) -> list[Rem
 
 
 def _pushes_away(recording: Recording, at: Ticks) -> list[Remark]:
-    """A law that nobody stated and that drives an axis away from its reference: no loop would stand."""
+    """Return a remark on an unstated law that drives an axis away from its reference, which no loop would
+    survive.
+    """
     n = len(recording.axes)
     fit = fit_gains(at, Controller("pd", recording.coordinates, (1.0,) * n, (1.0,) * n), np.eye(n))
     remarks = []
@@ -196,7 +198,7 @@ def _one_gain(recording: Recording, key: str, factor: float, std: float, value: 
 
 
 def _guessed(recording: Recording, factor: float) -> bool:
-    """Whether the factor may come from a derived velocity, which is not the one the controller used."""
+    """Return whether the factor may come from a derived velocity that the controller did not use."""
     return "velocity" in recording.derived and abs(factor - 1) < 0.5
 
 
@@ -215,7 +217,7 @@ def _read_columns(axes: tuple[str, ...], fit: Fit) -> list[Remark]:
 
 
 def _scaled(what: str, signal: str, axis: str | None, factor: float, value: dict) -> Remark:
-    """A column that is `factor` times what the stated law says it should be."""
+    """Return a remark on a column that is `factor` times what the stated law says."""
     of = f"{what} of '{axis}'" if axis else what
     value = {**value, "signal": signal, "factor": factor}
     if abs(abs(factor) - 1) <= 2 * _OFF and factor < 0:
@@ -227,7 +229,7 @@ def _scaled(what: str, signal: str, axis: str | None, factor: float, value: dict
 
 
 def _common(factors: dict[str, float]) -> float | None:
-    """The one factor that all share, or None."""
+    """Return the one factor that all share, or None."""
     values = np.array(list(factors.values()))
     if len(values) == 0:
         return None

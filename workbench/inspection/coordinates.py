@@ -1,4 +1,6 @@
-"""A law that holds in other coordinates than it is stated in: joints for drives, or drives for joints."""
+"""A law that holds in other coordinates than stated: joints instead of drives, or drives instead of
+joints.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ _SAME = 0.02  # of a gain, by which it may be off
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """The coordinates in which a law holds, what it leaves there, and what it leaves where it is stated."""
+    """The coordinates in which a law holds, its residual there, and its residual in the stated ones."""
 
     stated: str
     coordinates: str
@@ -35,7 +37,7 @@ class Elsewhere:
 
 
 def law_elsewhere(recording: Recording, transmission: np.ndarray | None = None) -> Elsewhere | None:
-    """Where the stated law holds, if not in the coordinates in which it is stated.
+    """Return where the stated law holds, if not in the stated coordinates.
 
     Args:
         recording: what was logged.
@@ -53,7 +55,7 @@ def law_elsewhere(recording: Recording, transmission: np.ndarray | None = None) 
 
 
 def found_elsewhere(recording: Recording, at: Ticks, transmission: np.ndarray | None) -> Elsewhere | None:
-    """As `law_elsewhere`, of the controller's ticks."""
+    """Return the same as `law_elsewhere`, from the controller's ticks."""
     c = recording.controller
     there = replace(c, coordinates="joint" if c.coordinates == "actuator" else "actuator")
     rest = min(fit_gains(at, c, m).rest for m in maps(recording, c, transmission))
@@ -72,7 +74,7 @@ def found_elsewhere(recording: Recording, at: Ticks, transmission: np.ndarray | 
 
 
 def maps(recording: Recording, controller: Controller, transmission: np.ndarray | None) -> list[np.ndarray]:
-    """Candidates of M, which takes the recording's positions to the controller's."""
+    """Return candidates of M, which maps the recording's positions to the controller's."""
     n = len(recording.axes)
     if recording.coordinates == controller.coordinates:
         return [np.eye(n)]
@@ -86,7 +88,7 @@ def maps(recording: Recording, controller: Controller, transmission: np.ndarray 
 
 
 def _shown(at: Ticks) -> np.ndarray | None:
-    """M as the command shows it: ``command = M^T kp (reference - M position) - ...``, so M is B over A."""
+    """Return M from the command: ``command = M^T kp (reference - M position) - ...``, so M is B over A."""
     n = at.command.shape[1]
     columns = np.hstack([at.reference, at.position, at.velocity, np.ones((len(at.command), 1))])
     size = np.linalg.norm(columns, axis=0).clip(1e-12)

@@ -1,4 +1,4 @@
-"""What was excited: ranges, speeds, reversals and bands of every axis."""
+"""Excitation: ranges, speeds, reversals and bands of every axis."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _STILL = 1e-3  # of the largest range of any axis
 
 
 def excited_axes(recording: Recording, noise: NoiseLevels) -> tuple[Excited, ...]:
-    """What each axis did, from position and its derivative."""
+    """Return the motion of each axis, from position and its derivative."""
     velocity = derive_velocity(recording.position, recording.period)
     ranges = np.ptp(recording.position, axis=0)
     step = np.nan_to_num(noise.position_resolution)
@@ -28,7 +28,7 @@ def excited_axes(recording: Recording, noise: NoiseLevels) -> tuple[Excited, ...
 
 
 def remark_on_excitation(recording: Recording, excited: tuple[Excited, ...]) -> list[Remark]:
-    """Notes on held axes and on motion that reaches past the log's rate."""
+    """Return notes on held axes and on motion beyond what the row rate resolves."""
     remarks = [
         Remark(
             "note",
@@ -62,7 +62,7 @@ def _axis(name: str, q: np.ndarray, v: np.ndarray, period: float, held: bool) ->
 
 
 def _reversals(v: np.ndarray, threshold: float) -> int:
-    """Changes of direction, counted only between speeds that noise does not reach."""
+    """Count changes of direction between speeds above the noise."""
     direction = np.sign(v[np.abs(v) > threshold])
     return int(np.count_nonzero(np.diff(direction)))
 

@@ -1,4 +1,4 @@
-"""Factors that have a name: what a ratio of 57.3 between two columns usually means."""
+"""Well-known factors: what a ratio of 57.3 between two columns usually means."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Named = Sequence[tuple[float, str]]
 
 
 def name_factor(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> str | None:
-    """What mix-up a factor comes from, or None.
+    """Return the mix-up that explains a factor, or None.
 
     Args:
         factor: ratio of what was found to what was expected; its sign does not matter.
@@ -44,7 +44,7 @@ def name_factor(factor: float, tolerance: float = 0.03, named: Named = NAMED) ->
 
 
 def name_factors(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> tuple[str, ...]:
-    """Every mix-up that a factor may come from, the nearest first; as `name_factor`."""
+    """Return every mix-up that may explain a factor, the nearest first, as in `name_factor`."""
     size = abs(factor)
     if size == 0 or not math.isfinite(size):
         return ()

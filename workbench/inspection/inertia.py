@@ -1,4 +1,4 @@
-"""Torque against acceleration: a wrong sign or swapped axes show as an inertia that cannot be.
+"""Torque compared with acceleration: a wrong sign or swapped axes appear as an impossible inertia.
 
 Above the frequencies of gravity, acceleration is ``M^-1 torque``, and M^-1 is symmetric and positive
 definite: an axis' own torque pushes it forward, and what i does to j is what j does to i.
@@ -63,14 +63,14 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
 
 
 def _unlike(mobility: np.ndarray, spread: np.ndarray, i: int, j: int) -> bool:
-    """Whether i pushes j one way and j pushes i the other: one of them has torque and motion of two signs."""
+    """Whether the couplings between i and j have opposite signs: one of them has inconsistent signs."""
     there, back = mobility[j, i], mobility[i, j]
     plain = min(abs(there) / spread[j, i], abs(back) / spread[i, j]) > _SURE
     return plain and there * back < 0 and max(abs(there), abs(back)) < _ALIKE * min(abs(there), abs(back))
 
 
 def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
-    """A zero-phase filter for columns (N, n): above gravity, below the sensors' noise."""
+    """Return columns (N, n) after a zero-phase filter above gravity and below the sensors' noise."""
     half = 0.5 / recording.period
     low, high = _LOWEST_HZ, min(_HIGHEST_HZ, 0.6 * half)
     sos = scipy.signal.butter(2, [min(low, 0.2 * high) / half, high / half], btype="band", output="sos")
@@ -78,7 +78,9 @@ def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _mobility(a: np.ndarray, tau: np.ndarray, drag: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Least squares of ``a = M^-1 tau + D drag``: M^-1 (n, n), its deviations, the part of `a` explained."""
+    """Fit ``a = M^-1 tau + D drag`` by least squares: M^-1 (n, n), its deviations, the explained part of
+    `a`.
+    """
     columns = np.hstack([tau, drag])
     n = a.shape[1]
     found, *_ = np.linalg.lstsq(columns, a, rcond=None)

@@ -1,4 +1,4 @@
-"""Everything recordings say about themselves, with no model at hand."""
+"""All checks of recordings that need no model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How alike two columns are, at which lag, and whether they hold enough to tell one."""
+"""Correlation of two columns, the lag between them, and whether they are rich enough to show one."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ _TONES = 4.0  # frequencies that a column is made of, below which its phase is n
 
 
 def alike(a: np.ndarray, b: np.ndarray) -> float:
-    """Size of the correlation of two columns (N,); 0 where one of them is constant."""
+    """Return the absolute correlation of two columns (N,); 0 if one is constant."""
     if np.ptp(a) == 0 or np.ptp(b) == 0:
         return 0.0
     return float(abs(np.corrcoef(a, b)[0, 1]))
 
 
 def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, float]:
-    """Rows by which `follower` comes after `leader`, and the size of the correlation there.
+    """Return the number of rows by which `follower` lags `leader`, and the absolute correlation there.
 
     Args:
         leader, follower: shape (N,).
@@ -35,7 +35,8 @@ def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, f
 
 
 def is_broad(column: np.ndarray) -> bool:
-    """Whether a column (N,) has enough frequencies to tell a delay or an inertia from the phase of a tone.
+    """Return whether a column (N,) has enough frequencies to tell a delay or an inertia from a tone's
+    phase.
 
     Counts the frequencies among which its power is shared: the participation ratio of its spectrum.
     """

@@ -1,4 +1,4 @@
-"""The stated control law written as a linear regression on the logged signals of the controller's ticks.
+"""The stated control law as a linear regression on the logged signals at the controller's ticks.
 
 pd, in the controller's coordinates c, with the commands given in the recording's coordinates:
 ``command = feedforward + T (kp (q_ref - M q) + kd (v_ref - M v)) + bias``, where M takes the
@@ -30,14 +30,14 @@ class Ticks:
     feedforward: np.ndarray
 
     def swapped(self, signals: tuple[str, ...], a: int, b: int) -> Ticks:
-        """Columns a and b of these signals exchanged."""
+        """Return signals with columns a and b exchanged."""
         order = np.arange(self.command.shape[1])
         order[[a, b]] = order[[b, a]]
         return replace(self, **{s: getattr(self, s)[:, order] for s in signals})
 
 
 def ticks(recording: Recording, ratio: int, phase: int, lag: int = 0) -> Ticks:
-    """Rows at which the controller computed, measurements taken `lag` rows earlier."""
+    """Return the rows at which the controller computed, with measurements from `lag` rows earlier."""
     s = recording.signals
     k = np.arange(phase, len(recording), ratio)
     k = k[k >= lag]
@@ -57,7 +57,7 @@ def ticks(recording: Recording, ratio: int, phase: int, lag: int = 0) -> Ticks:
 
 @dataclass(frozen=True)
 class Fit:
-    """A least-squares fit of the law: factors on what was stated, 1 where the statement is right.
+    """A least-squares fit of the law: factors on the stated values, 1 if the statement is right.
 
     `rest` is the root mean square of what stays, as a part of the command's variation.
     """
@@ -116,7 +116,7 @@ def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) ->
 
 
 def feedback(t: Ticks, controller: Controller, to_controller: np.ndarray) -> np.ndarray:
-    """What the law asks for at the ticks (T, n), without feedforward and limits."""
+    """Return the law's command at the ticks (T, n), without feedforward and limits."""
     kp, kd = _gains(controller)
     error = t.reference - t.position @ to_controller.T
     damped = t.velocity_reference - t.velocity @ to_controller.T
@@ -124,7 +124,7 @@ def feedback(t: Ticks, controller: Controller, to_controller: np.ndarray) -> np.
 
 
 def _gains(c: Controller) -> tuple[np.ndarray, np.ndarray]:
-    """Torque per position error and per velocity error."""
+    """Return torque per position error and per velocity error."""
     if c.kind == "pd":
         return np.array(c.kp), np.array(c.kd)
     velocity = np.array(c.gain) * np.array(c.kv)
@@ -134,7 +134,7 @@ def _gains(c: Controller) -> tuple[np.ndarray, np.ndarray]:
 def _solve(
     blocks: dict[str, np.ndarray], t: Ticks, controller: Controller, whole: np.ndarray | None = None
 ) -> Fit:
-    """Least squares over all axes at once, each axis with a bias of its own."""
+    """Solve least squares over all axes at once, each axis with its own bias."""
     whole = t.command if whole is None else whole
     n = whole.shape[1]
     eye = np.eye(n)
@@ -161,13 +161,13 @@ def _solve(
 
 
 def _centred(values: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Each axis less its mean over the free entries, others 0; flat."""
+    """Return each axis minus its mean over the free entries, others 0; flat."""
     mean = np.sum(values * free, axis=0) / np.maximum(1, free.sum(axis=0))
     return ((values - mean) * free).ravel()
 
 
 def _free(command: np.ndarray, c: Controller) -> np.ndarray:
-    """Commands that stand at no limit, stated or seen, (K, n) bool."""
+    """Return which commands are at no limit, stated or seen, (K, n) bool."""
     free = np.ones(command.shape, bool)
     if c.kind == "cascade_pv" and c.limit:
         free &= np.abs(command) < 0.98 * np.array(c.limit) * np.abs(np.array(c.gain))

@@ -1,4 +1,6 @@
-"""Velocity against the derivative of position: columns swapped, sign, unit, gear ratio, clock offset."""
+"""Velocity compared with the derivative of position: swapped columns, sign, unit, gear ratio, clock
+offset.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,7 @@ def remark_on_motion(recording: Recording, held: np.ndarray) -> list[Remark]:
 
 
 def _one_clock(each: Sequence[Sequence[Remark]], period: float) -> Remark | None:
-    """One factor on every axis is the clock they share, more likely than as many gears alike."""
+    """A remark if one factor on every axis suggests the clock they share rather than equal wrong gears."""
     wrong = [r for axis in each for r in axis if r.topic == "unit" and r.severity == "problem"]
     factors = np.abs([r.value["factor"] for r in wrong])
     named = any(r.value["meaning"] for r in wrong)
@@ -111,7 +113,8 @@ def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> lis
 
 
 def _filtered(axis: str, v: np.ndarray, slope: np.ndarray, band: float, period: float) -> Remark | None:
-    """A speed that a first-order low-pass has made smaller: with what it lags, it is the position's again.
+    """Return a remark on a speed that a first-order low-pass made smaller, if adding its lag restores the
+    speed.
 
     v + T dv/dt = slope, so that a gear or a unit shows in the first coefficient and a filter in the second.
     """
@@ -129,7 +132,7 @@ def _filtered(axis: str, v: np.ndarray, slope: np.ndarray, band: float, period: 
 
 
 def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Both through one zero-phase filter, so that only what both can show is compared.
+    """Return both after one zero-phase filter, so that only the common band is compared.
 
     The third value is the filter's band as a part of half the row rate: the share of rows that still
     count as independent.
@@ -144,7 +147,7 @@ def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray
 
 
 def _fit(columns: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least squares: coefficients and their standard deviations."""
+    """Return coefficients of a least-squares fit and their standard deviations."""
     found, *_ = np.linalg.lstsq(columns, seen, rcond=None)
     rest = seen - columns @ found
     variance = rest @ rest / max(1, len(seen) - columns.shape[1])

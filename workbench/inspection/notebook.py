@@ -1,4 +1,4 @@
-"""An inspection as a shell or notebook shows it: what is wrong, or may be, or worth knowing."""
+"""An inspection as shells and notebooks show it: what is or may be wrong, and what is worth knowing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .result import Inspection
 
 
 def summary(value: Inspection) -> Summary:
-    """Its remarks, but for what was checked and is right; alike ones of several recordings once."""
+    """Return its remarks without the passed checks; equal remarks of several recordings appear once."""
     found: dict[tuple[str, str], list[str]] = {}
     for r in value.recordings:
         for m in r.remarks:
@@ -27,7 +27,7 @@ def summary(value: Inspection) -> Summary:
 
 
 def as_figure(value: Inspection, *, recording: int = 0) -> Figure:
-    """Over which part of its range, and up to which frequency, each axis of a recording was moved."""
+    """Return a figure of the range and the band in which each axis of a recording moved."""
     excited = value.recordings[recording].excited
     figure = Picture(figsize=(7.2, 0.5 * len(excited) + 1.2), layout="constrained")
     places = figure.subplots(1, 2, sharey=True)

@@ -1,4 +1,4 @@
-"""References that positions run away from: one of the two counts the other way, whatever the loop."""
+"""References with the opposite sign of their positions, found without knowing the loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NO_MATTER = 0.3  # of it, by which it has to miss the reference itself
 
 
 def remark_on_references(recording: Recording) -> list[Remark]:
-    """A problem for each axis whose position follows its reference's mirror image.
+    """Return a problem for each axis whose position follows its reference with the opposite sign.
 
     A loop that is driven too fast answers late, up to half a period, but with a smaller motion then.
     """

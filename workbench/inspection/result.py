@@ -1,4 +1,4 @@
-"""What an inspection returns: frozen remarks, made to be read and to be written as JSON."""
+"""The result of an inspection: frozen remarks that can be read and written as JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Severity = Literal["ok", "note", "warning", "problem"]
 
 @dataclass(frozen=True)
 class Remark:
-    """One thing that the data say.
+    """One statement about the data.
 
     Attributes:
         severity: ``ok`` (checked and right), ``note`` (worth knowing), ``warning`` (probably wrong),
@@ -38,7 +38,7 @@ class Remark:
 
 @dataclass(frozen=True)
 class Excited:
-    """What one axis was made to do.
+    """The motion of one axis.
 
     Attributes:
         axis: its name.
@@ -61,7 +61,7 @@ class Excited:
 
 @dataclass(frozen=True)
 class RecordingInspection:
-    """Everything said about one recording."""
+    """All remarks on one recording."""
 
     recording: str
     rows: int
@@ -73,7 +73,7 @@ class RecordingInspection:
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Shown):
-    """Everything said about all recordings, in the order given."""
+    """All remarks on all recordings, in the order given."""
 
     _shown_by = "workbench.inspection.notebook"
 
@@ -81,13 +81,13 @@ class Inspection(Shown):
 
     @property
     def sound(self) -> bool:
-        """Whether nothing looks wrong: no remark is a warning or a problem."""
+        """Return whether nothing looks wrong: no remark is a warning or a problem."""
         bad = ("warning", "problem")
         return not any(remark.severity in bad for r in self.recordings for remark in r.remarks)
 
 
 def inspection_dict(inspection: Inspection) -> dict[str, Any]:
-    """The inspection as plain JSON values; a number that is not known is None."""
+    """Return the inspection as plain JSON values; an unknown number is None."""
     return {"format": 1, "sound": inspection.sound, "recordings": _plain(inspection.recordings)}
 
 

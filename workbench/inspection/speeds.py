@@ -1,4 +1,4 @@
-"""What a loop took for the speed where none was logged: ways to make one of positions, tried on the law."""
+"""How a loop computed the speed if none was logged: candidates computed from positions, tested on the law."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TIMES = (1, 2, 4, 8, 16)  # ticks of a low-pass
 
 @dataclass(frozen=True)
 class Explanation:
-    """A speed, how late the loop read, and the law that this makes."""
+    """A way to compute the speed, the lag of the loop's readings, and the law that follows."""
 
     speed: str
     late: int
@@ -31,13 +31,13 @@ class Explanation:
 
     @property
     def off(self) -> dict[str, float]:
-        """Gains that are not as stated -> factor."""
+        """Return the gains that differ from the stated ones -> factor."""
         sure = max(_OFF, 2 * self.fit.rest)
         known = {k: f for k, (f, std) in self.fit.by_name.items() if k.startswith("k") and std < 0.1 * abs(f)}
         return {k: f for k, f in known.items() if abs(f - 1.0) > sure}
 
     def told(self, axes: Sequence[str]) -> str:
-        """The speed, the row, and the gains that are not as stated."""
+        """Return in words the speed, the row, and the gains that differ from the stated ones."""
         row = f"of {self.late} tick before" if self.late else "of the same row"
         named = [(name.rsplit("_", 1), factor) for name, factor in self.off.items()]
         gains = [
@@ -49,7 +49,8 @@ class Explanation:
 def explain_speed(
     recording: Recording, ratio: int, phase: int, tried: Sequence[np.ndarray]
 ) -> tuple[Explanation, ...]:
-    """Every way to take the speed with which the law holds best, those with the gains as stated first.
+    """Return every way to compute the speed with which the law holds best; those with the stated gains
+    first.
 
     Args:
         recording: whose velocity was not measured.
@@ -72,7 +73,7 @@ def explain_speed(
 
 
 def remark_on_speed(found: Sequence[Explanation], axes: Sequence[str]) -> Remark:
-    """One remark of the explanations that do equally well, of those with other gains the best."""
+    """Return one remark on equally good explanations; of those with other gains, on the best."""
     best, *others = found
     stated = [e for e in others if not e.off]
     shown = [*stated[:2], *[e for e in others if e.off][:1]]
@@ -91,7 +92,7 @@ def remark_on_speed(found: Sequence[Explanation], axes: Sequence[str]) -> Remark
 
 
 def _speeds(recording: Recording, ratio: int) -> Iterator[tuple[str, int, np.ndarray]]:
-    """Speeds (N, n) that a loop may have made of the position it read: name, ticks it comes late at least."""
+    """Return speeds (N, n) that a loop may have computed from the position: name, smallest lag in ticks."""
     q, tick = recording.position, ratio * recording.period
     back = (q - _before(q, ratio)) / tick
     made = "the speed as a difference"
@@ -106,13 +107,13 @@ def _speeds(recording: Recording, ratio: int) -> Iterator[tuple[str, int, np.nda
 
 
 def _before(x: np.ndarray, rows: int) -> np.ndarray:
-    """x (N, n) so many rows before, the first (or last) one held."""
+    """Return x (N, n) shifted by this many rows, with the first (or last) row held."""
     at = np.clip(np.arange(len(x)) - rows, 0, len(x) - 1)
     return x[at]
 
 
 def _passed(x: np.ndarray, share: float, ratio: int) -> np.ndarray:
-    """A first-order low-pass from tick to tick, whatever row the first is."""
+    """Return a signal after a first-order low-pass from tick to tick, starting at any row."""
     out = np.empty_like(x)
     for first in range(ratio):
         part = x[first::ratio]

@@ -1,4 +1,4 @@
-"""When the controller computed: the rows at which the logged command changes."""
+"""The controller's ticks: the rows at which the logged command changes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FEW = 50  # changes below which a period cannot be told
 
 
 def find_ticks(recording: Recording) -> tuple[int, int, list[Remark]]:
-    """Rows per tick, the row of the first tick, and remarks where these are not as stated."""
+    """Return rows per tick, the row of the first tick, and remarks if these differ from the stated ones."""
     stated = recording.controller.period_s
     rows = None if stated is None else stated / recording.period
     changes = np.flatnonzero(np.any(np.diff(recording.signals["torque_command"], axis=0) != 0, axis=1)) + 1
@@ -46,7 +46,7 @@ def find_ticks(recording: Recording) -> tuple[int, int, list[Remark]]:
 
 
 def _regular(changes: np.ndarray) -> tuple[int, int]:
-    """The longest period, in rows, on whose grid nearly all changes lie, and the grid's first row."""
+    """Return the longest period, in rows, whose grid has nearly all changes, and the grid's first row."""
     if len(changes) < _FEW:
         return 1, 0
     for ratio in range(_LONGEST, 1, -1):

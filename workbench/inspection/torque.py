@@ -1,4 +1,4 @@
-"""Measured torque against the command: swapped, sign, unit, delay, saturation; and command limits."""
+"""Measured torque compared with the command: swap, sign, unit, delay, saturation; and command limits."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _AT_ONCE = 0.02  # of a row: what comes within is in the same one
 
 
 def driven(recording: Recording) -> Recording:
-    """The longest stretch of rows that count: drives that are off say nothing of torque."""
+    """Return the longest stretch of valid rows in which the drives are on."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], recording.valid, [False]]).astype(int)))
     if recording.valid.all() or not len(edges):
         return recording
@@ -34,7 +34,7 @@ def driven(recording: Recording) -> Recording:
 
 
 def remark_on_torque(recording: Recording, noise: NoiseLevels) -> list[Remark]:
-    """How the measured torque follows the command."""
+    """Return remarks on how the measured torque follows the command."""
     command, measured = recording.get("torque_command"), recording.get("torque_measured")
     if command is None or measured is None or np.array_equal(command, measured):
         return []
@@ -102,7 +102,7 @@ def _follows(
 
 
 def _limit(axis: str, asked: np.ndarray, got: np.ndarray, noise: float) -> list[Remark]:
-    """Whether the torque stops growing while the command still does: one clip against none."""
+    """The level at which the torque stops growing while the command still grows, tested against no limit."""
     best = (np.inf, np.inf, 0)
     for limit in np.quantile(np.abs(got), [0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995]):
         over = np.abs(asked) > limit
@@ -125,7 +125,8 @@ def _slope(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def command_limits(recording: Recording) -> list[tuple[int, float, float]]:
-    """Where commands stand at their largest or smallest value again and again: a limit they were cut to.
+    """Return values that commands reach again and again as their largest or smallest: limits they were
+    cut to.
 
     Returns:
         Axis, that value in the recording's own coordinates, and the share of rows that have it.
@@ -147,7 +148,7 @@ def command_limits(recording: Recording) -> list[tuple[int, float, float]]:
 
 
 def remark_on_command_limits(recording: Recording) -> list[Remark]:
-    """Commands that stand at their largest value again and again: the controller's own limit."""
+    """Return remarks on commands at their largest value again and again: the controller's own limit."""
     remarks: list[Remark] = []
     for i, extreme, share in command_limits(recording):
         axis, command = recording.axes[i], recording.signals["torque_command"][:, i]

@@ -1,4 +1,4 @@
-"""Work: over a long motion, drives put more into a machine than they take out, for friction only takes."""
+"""Work of the drives: over a long motion they cannot take more out of a machine than they put in."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _LATE_S = 0.005  # a torque may be logged so much early or late, which turns the
 
 
 def remark_on_work(recording: Recording, held: np.ndarray) -> list[Remark]:
-    """Check, where no command is logged, that the torques did more work on the machine than it gave back.
+    """Check, if no command is logged, that the torques put at least as much work into the machine as they
+    take out.
 
     Args:
         recording: what was measured.
@@ -42,7 +43,7 @@ def remark_on_work(recording: Recording, held: np.ndarray) -> list[Remark]:
 
 
 def _trend(power: np.ndarray, period: float) -> tuple[float, float]:
-    """Work over the whole time by its straight line [J], and how far it swings about it [J]."""
+    """Return the work over the whole time by its straight line [J], and its variation about that line [J]."""
     work = np.cumsum(power) * period
     line = np.column_stack([np.linspace(0.0, 1.0, len(work)), np.ones(len(work))])
     (done, start), *_ = np.linalg.lstsq(line, work, rcond=None)

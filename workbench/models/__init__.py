@@ -1,4 +1,4 @@
-"""Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
+"""Models: machines as the user believes them to be, read from TOML or MJCF and built for each engine."""
 
 from .alike import alike_axes
 from .contacts import base_contacts, machine_bodies

@@ -1,4 +1,4 @@
-"""Which joints of a robot were built alike: left and right, front and rear."""
+"""Joints of a robot with the same design: left and right, front and rear."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _DIGITS = 6  # to which numbers of a file are the same; mirrored links differ in
 
 
 def alike_axes(model: Model) -> tuple[tuple[str, ...], ...]:
-    """Groups of two or more axes whose joints and links have the same numbers in the model's file.
+    """Return groups of two or more axes whose joints and links have the same numbers in the model's file.
 
     Joint kind, how many joints before it, armature, damping, dry friction, mass, principal inertia and the
     size of each coordinate of its centre. Drives that turn several joints are alike to none.

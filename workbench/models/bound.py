@@ -1,4 +1,4 @@
-"""What a file says beside its tree that binds joints or bodies to each other: a model here is a tree alone.
+"""Parts of a file that bind joints or bodies beyond its tree; a model here is only a tree.
 
 Left out, such a loop would be a machine with more freedoms than the real one, of which every result is wrong.
 """
@@ -18,7 +18,7 @@ _IMPORT = (
 _LIMB = "--hold-rest for all that has no motor, as a gripper"
 _LOOP = f'{_IMPORT} (or set active="false" where the loop is not there)'
 _CUT = f"name a frame on either side of the pin that closes it, and {_IMPORT}, with --loop A:B"
-_TENDON = "tendons that hold each other are not supported: take it out of a copy of the file"
+_TENDON = "equalities between tendons are not supported: take it out of a copy of the file"
 #: Equalities that close a loop of bodies, or make a joint follow another.
 LOOPS = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD, mujoco.mjtEq.mjEQ_JOINT
 _KINDS = {
@@ -30,7 +30,7 @@ _KINDS = {
 
 
 def refuse_equalities(spec: mujoco.MjSpec, file: Path, *, loops: bool = False) -> None:
-    """Refuse an MJCF that holds bodies, joints or tendons together; an equality not active does nothing.
+    """Refuse an MJCF that binds bodies, joints or tendons together; an inactive equality is ignored.
 
     Args:
         spec: the MJCF.
@@ -50,7 +50,7 @@ def refuse_equalities(spec: mujoco.MjSpec, file: Path, *, loops: bool = False) -
 
 
 def refuse_constraints(root: ElementTree.Element, file: Path) -> None:
-    """The same of a URDF, whose tags are without prefix: joints that follow others, and loops.
+    """Refuse the same in a URDF, whose tags have no prefix: joints that follow others, and loops.
 
     Raises:
         InputError: it has one.

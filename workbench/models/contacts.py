@@ -1,4 +1,4 @@
-"""Contacts that nobody means: between a base that is fixed to the world and what hangs on it.
+"""Unintended contacts between a base that is fixed to the world and the links that hang on it.
 
 MuJoCo lets no body touch its own parent, since their shapes overlap about the joint; but a body that is fixed
 to the world counts as the world, which all may touch. A robot whose free base is welded for a test stand thus
@@ -30,7 +30,7 @@ def keep_base_apart(spec: mujoco.MjSpec) -> None:
 
 
 def base_contacts(spec: mujoco.MjSpec) -> list[tuple[str, str]]:
-    """Take back what `keep_base_apart` excluded; gives the pairs of bodies."""
+    """Undo `keep_base_apart`; returns the pairs of bodies."""
     ours = [e for e in spec.excludes if e.name.startswith(_OURS)]
     pairs = [(e.bodyname1, e.bodyname2) for e in ours]
     for each in ours:
@@ -39,7 +39,7 @@ def base_contacts(spec: mujoco.MjSpec) -> list[tuple[str, str]]:
 
 
 def machine_bodies(spec: mujoco.MjSpec) -> set[str]:
-    """Names of bodies that move or carry what moves: all but the world and what only stands in it."""
+    """Names of bodies that move or carry what moves: all except the world and what only stands in it."""
     trees = [
         top for top in spec.worldbody.bodies if top.joints or any(b.joints for b in top.find_all("body"))
     ]
@@ -47,7 +47,7 @@ def machine_bodies(spec: mujoco.MjSpec) -> set[str]:
 
 
 def _jointed(spec: mujoco.MjSpec) -> Iterator[tuple[mujoco.MjsBody, mujoco.MjsBody]]:
-    """Each body that is fixed to the world, with each one of the links that joints hold to its base."""
+    """Yield each body fixed to the world, with each link that joints connect to its base."""
     for top in spec.worldbody.bodies:
         if top.joints:
             continue
@@ -57,7 +57,7 @@ def _jointed(spec: mujoco.MjSpec) -> Iterator[tuple[mujoco.MjsBody, mujoco.MjsBo
 
 
 def _rigid(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
-    """A body and all that is fixed to it."""
+    """Yield a body and everything fixed to it."""
     yield body
     for child in body.bodies:
         if not child.joints:

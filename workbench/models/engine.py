@@ -1,4 +1,4 @@
-"""MuJoCo as it is used here: it says nothing by itself, and leaves no file in anybody's folder."""
+"""MuJoCo as it is used here: it prints nothing, and writes no log file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from workbench.core import InputError
 
 
 def silence() -> None:
-    """No ``MUJOCO_LOG.TXT``, nothing on the terminal: a run that diverges is seen to where it was started."""
+    """Disable ``MUJOCO_LOG.TXT`` and terminal output: the caller handles a diverging run."""
     config = mujoco.MjLogConfig.get()
     config.logto_file = config.logto_console = False
     config.set()
@@ -21,7 +21,7 @@ def silence() -> None:
 
 @contextmanager
 def refused(act: str, file: Path) -> Iterator[None]:
-    """What MuJoCo refuses in here is told of this file: that it cannot `act`.
+    """Report what MuJoCo refuses inside this block with the name of the file: that it cannot `act`.
 
     Raises:
         InputError: in place of what MuJoCo raises.
@@ -35,7 +35,7 @@ def refused(act: str, file: Path) -> Iterator[None]:
 
 @contextmanager
 def warned() -> Iterator[list[str]]:
-    """What MuJoCo warns of while it compiles, as a list rather than on the terminal."""
+    """Return MuJoCo's warnings during compilation as a list, not on the terminal."""
     said: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

@@ -1,4 +1,4 @@
-"""The numbers of an MJCF or URDF that a found effect can be written into, and what a body's are."""
+"""Numbers of an MJCF or URDF into which a found effect can be written."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class Inertial:
 
     @staticmethod
     def of(m: mujoco.MjModel, body: int) -> Inertial:
-        """That of a compiled body."""
+        """Return mass, centre and inertia of a compiled body."""
         axes = inertial_frame(m, body)
         tensor = axes @ np.diag(m.body_inertia[body]) @ axes.T
         return Inertial(float(m.body_mass[body]), m.body_ipos[body].copy(), tensor)
 
 
 def inertial_frame(m: mujoco.MjModel, body: int) -> np.ndarray:
-    """Axes (3, 3) of a compiled body's inertia, in its own frame."""
+    """Return the axes (3, 3) of a compiled body's inertia, in its own frame."""
     flat = np.zeros(9)
     mujoco.mju_quat2Mat(flat, m.body_iquat[body])
     return flat.reshape(3, 3)
@@ -34,7 +34,7 @@ def inertial_frame(m: mujoco.MjModel, body: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class JointNumber:
-    """More of one number of a joint, or of a tendon that is a drive.
+    """An increase of one number of a joint, or of a tendon that is a drive.
 
     `number`: as MJCF calls it: ``damping``, ``frictionloss``, ``armature`` or ``stiffness``. `more`: of it,
     in the joint's own coordinate, SI. `rest`: where a spring of that stiffness rests [rad or m].
@@ -49,6 +49,8 @@ class JointNumber:
 
 @dataclass(frozen=True)
 class BodyNumbers:
-    """Mass, centre and inertia of the body that a joint carries: what they are, the built model says."""
+    """New mass, centre and inertia of the body that a joint carries; their values come from the built
+    model.
+    """
 
     joint: str

@@ -1,4 +1,4 @@
-"""A base that floats as six joints in a row, so that its coordinates are axes like all others.
+"""A floating base as six joints in a row, so that its coordinates are ordinary axes.
 
 No drive moves these axes; where they are and how fast, a recording's ``base_...`` columns say. Three slides
 along the world come first, then yaw, pitch and roll about axes that turn with each other (z, y', x'').
@@ -28,7 +28,7 @@ _ALONG = {
 
 
 def take_apart(spec: mujoco.MjSpec, file: Path) -> None:
-    """Put six joints in the place of a tree's free joint; nothing happens to a tree without one.
+    """Replace a tree's free joint by six joints; a tree without one is unchanged.
 
     Raises:
         InputError: several bodies float, or one inside of another, or a name of the six is taken.

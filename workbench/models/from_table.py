@@ -1,4 +1,4 @@
-"""A model from the table of a model file, each part checked against the MJCF and the number of axes."""
+"""A model from the table of a model file, with each part checked against the MJCF and the number of axes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SINGULAR = 1e9  # condition of a transmission that no drives have
 
 
 def from_table(table: ModelTable, file: Path) -> Model:
-    """The model that a table states.
+    """Return the model that a table states.
 
     Args:
         table: as it was read.
@@ -68,7 +68,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
 
 
 def _with_base(matrix: np.ndarray, base: int) -> np.ndarray:
-    """A transmission with so many axes of the base, each a joint of its own."""
+    """Return a transmission extended by the axes of a floating base, each a joint of its own."""
     out, n = np.eye(len(matrix) + base), len(matrix)
     out[:n, :n] = matrix
     return out
@@ -96,7 +96,8 @@ def _per_axis(value: list[float] | float, n: int, file: Path, key: str) -> tuple
 def _transmission(
     table: ModelTable, known: list[str], file: Path
 ) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """Axes, joints and the matrix (n, n) between them; without a table the joints themselves are driven.
+    """Return axes, joints and the matrix (n, n) between them; without a table the joints themselves are
+    driven.
 
     Args:
         table: the model file.
@@ -132,7 +133,7 @@ def _transmission(
 
 
 def _actuators(table: ActuatorTable, n: int, base: int, file: Path) -> Actuators:
-    """Of n drives; the axes of a base that floats have none."""
+    """Return actuators of n drives; the axes of a floating base have none."""
     return Actuators(
         (*_per_axis(table.inertia, n, file, "actuators.inertia"), *[0.0] * base),
         (*_per_axis(table.damping, n, file, "actuators.damping"), *[0.0] * base),

@@ -1,4 +1,6 @@
-"""What an MJCF may do: describe a body. It has no plugin, and names no file but those beside or below it."""
+"""Limits on MJCF files: they may describe bodies, but use no plugin and name only files beside or below
+them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ _LARGEST = 256 * 2**20  # bytes of an asset
 
 
 def check_mjcf(file: Path, within: frozenset[Path] = frozenset()) -> list[Path]:
-    """Look through an MJCF file and all that it includes, before MuJoCo does what it says.
+    """Check an MJCF file and all files it includes, before MuJoCo reads it.
 
     Args:
         file: the MJCF.
@@ -59,7 +61,7 @@ def check_mjcf(file: Path, within: frozenset[Path] = frozenset()) -> list[Path]:
 
 
 def check_mjcf_text(text: str, file: Path | None) -> None:
-    """The same of MJCF that lies in no folder, and so can name no file.
+    """Check MJCF text without a folder, which may not name any file.
 
     Raises:
         InputError: it is no XML, has a plugin, or names a file.
@@ -77,7 +79,7 @@ def _refuse_plugin(node: ElementTree.Element, file: Path | None) -> None:
 
 
 def _check_asset(name: str, key: str, folders: list[Path], file: Path) -> list[Path]:
-    """The files that may be meant; MuJoCo leaves a path's folders out where it is told to strip it."""
+    """Return the files that may be meant; MuJoCo drops a path's folders if the file says so."""
     found = []
     for base in folders:
         for each in (name, Path(name).name):

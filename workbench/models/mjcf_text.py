@@ -1,4 +1,4 @@
-"""An MJCF as somebody wrote it, of which joints, tendons and bodies get other numbers."""
+"""An MJCF file as its author wrote it, in which numbers of joints, tendons and bodies can be replaced."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SAME = 1e-12  # of the largest number of its kind
 
 
 class MjcfText:
-    """An MJCF and what is to change in it.
+    """An MJCF file and the changes to make in it.
 
     Attributes:
         numbers: of a joint that it has a place for.
@@ -31,11 +31,11 @@ class MjcfText:
         self._text = text
 
     def has(self, name: str, kind: str = "joint") -> bool:
-        """Whether this joint, or fixed tendon, stands in the file."""
+        """Return whether the file has this joint or fixed tendon."""
         return self._named(name, kind) is not None
 
     def set_numbers(self, name: str, values: Mapping[str, float], kind: str = "joint") -> None:
-        """Give a joint, or a fixed tendon, numbers, in the file's units, by the names of their attributes.
+        """Set numbers of a joint or a fixed tendon, in the file's units, by attribute name.
 
         Of a damping or stiffness by powers of the speed or angle, the linear one.
         """
@@ -45,7 +45,7 @@ class MjcfText:
         self._text.set(element, {name: " ".join([digits(v), *rest[name]]) for name, v in values.items()})
 
     def set_body(self, joint: str, before: Inertial, after: Inertial, frame: np.ndarray) -> None:
-        """Give the body that a joint carries another mass, centre and inertia.
+        """Set mass, centre and inertia of the body that a joint carries.
 
         Args:
             joint: its name.
@@ -93,7 +93,7 @@ class MjcfText:
 
 
 def _inertia(stated: Element, tensor: np.ndarray, frame: np.ndarray) -> dict[str, str | None]:
-    """Attributes of an ``<inertial>``, in the form that it has."""
+    """Return attributes of an ``<inertial>`` in the form that the file uses."""
     if stated.get("fullinertia") is not None:
         return {"fullinertia": row(_six(tensor))}
     here = frame.T @ tensor @ frame
@@ -107,7 +107,7 @@ def _inertia(stated: Element, tensor: np.ndarray, frame: np.ndarray) -> dict[str
 
 
 def _six(tensor: np.ndarray) -> np.ndarray:
-    """Three of the diagonal, then xy, xz, yz, as ``fullinertia`` has them."""
+    """Return the diagonal, then xy, xz, yz, in the order of ``fullinertia``."""
     return tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
@@ -118,17 +118,17 @@ def _quaternion(axes: np.ndarray) -> np.ndarray:
 
 
 def differ(one: np.ndarray | float, other: np.ndarray | float) -> bool:
-    """Whether two numbers, or two arrays of a kind, are not the same but for rounding."""
+    """Return whether two numbers, or two arrays, differ by more than rounding."""
     a, b = np.abs(one).max(), np.abs(other).max()
     return bool(np.abs(np.subtract(one, other)).max() > _SAME * max(a, b))
 
 
 def digits(value: float) -> str:
-    """A number as it is written: twelve digits, of which none is rounding alone."""
+    """Return a number as written: twelve digits, without digits that are only rounding."""
     return f"{value + 0.0:.12g}"
 
 
 def row(values: np.ndarray) -> str:
-    """Numbers as they are written; what is nothing but rounding beside the largest is 0."""
+    """Return numbers as written; rounding errors beside the largest become 0."""
     least = _SAME * np.max(np.abs(values))
     return " ".join(digits(v if abs(v) > least else 0.0) for v in map(float, values))

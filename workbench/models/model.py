@@ -1,4 +1,4 @@
-"""What we believe about a machine: one frozen value, independent of any simulator."""
+"""A model of a machine: one frozen value, independent of any simulator."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ VARIANTS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Actuators:
-    """Drives, one entry an axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
+    """Drives, one entry per axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
 
     `inertia` [kg m^2 or kg], `damping` [N m s/rad or N s/m], `torque_limit` [N m or N, inf: none],
     `delay_s` the delay from command to torque [s]. `full_braking` says what a limit that falls with speed
@@ -43,7 +43,8 @@ class Actuators:
 
 @dataclass(frozen=True)
 class Crank:
-    """What turns with the knee's drive even where the pin of thigh and shank is soft: crank and coupler.
+    """The parts that turn with the knee's drive even if the pin of thigh and shank is soft: crank and
+    coupler.
 
     M12 (factor of cos alpha), M22 [kg m^2], g2 [N m]: their part of a linkage's increments.
     """
@@ -73,7 +74,7 @@ class Linkage:
 
 @dataclass(frozen=True)
 class Ground:
-    """What the machine stands on, and what it stands with.
+    """The ground, and the feet that stand on it.
 
     Attributes:
         feet: sites of the serial tree, where a sphere of `radius` [m] is put, or geoms of its own.
@@ -108,7 +109,7 @@ class AppliedEffect:
 
 @dataclass(frozen=True, repr=False)
 class Model(Shown):
-    """A machine as we believe it to be.
+    """A machine as the user believes it to be.
 
     Attributes:
         name: the model's name.
@@ -175,11 +176,11 @@ class Model(Shown):
         return [path for path in (self.source, self.serial, chain) if path is not None]
 
     def place(self, file: Path) -> Path:
-        """Where one of `files` goes in a folder with them all, so that the serial tree finds its own."""
+        """Where one of `files` goes in a folder with all of them, so that the serial tree finds its files."""
         return Path(file.name) if file in self._named else file.relative_to(self.serial.parent)
 
     def digests(self) -> dict[str, str]:
-        """SHA-256 of each of `files`, hexadecimal, by its `place`.
+        """Return the SHA-256 of each of `files`, hexadecimal, by its `place`.
 
         Raises:
             InputError: a file cannot be read.
@@ -188,7 +189,9 @@ class Model(Shown):
 
     @property
     def links(self) -> tuple[Path, tuple[str, ...]]:
-        """MJCF of the links, and the joint of each axis in it: the serial tree's, or of what is carried."""
+        """Return the MJCF of the links, and the joint of each axis in it: the serial tree's, or of what
+        is carried.
+        """
         there = self.carried or self
         return there.serial, there.joints
 
@@ -199,11 +202,11 @@ class Model(Shown):
 
     @property
     def driven(self) -> tuple[str, ...]:
-        """Axes that have a drive: all but those of a base that floats."""
+        """Return the axes that have a drive: all except those of a floating base."""
         return self.axes[: -len(BASE_AXES)] if self.floats else self.axes
 
     def on_its_stand(self, doing: str) -> Model:
-        """This model, for what is done with machines whose base is fixed.
+        """Return this model, for functions that need a fixed base.
 
         Raises:
             InputError: its base floats; `doing` says what cannot be done with it.
@@ -217,9 +220,9 @@ class Model(Shown):
         return self
 
     def has(self, effect: str, axis: str | None = None) -> bool:
-        """Whether an effect of this name (on this axis, if given) is in the model."""
+        """Return whether an effect of this name (on this axis, if given) is in the model."""
         return any(e.key.effect == effect and (axis is None or e.key.axis == axis) for e in self.effects)
 
     def with_effect(self, effect: AppliedEffect) -> Model:
-        """A new model with this effect added; effects of one key act one beside the other."""
+        """Return a new model with this effect added; effects of one key act side by side."""
         return replace(self, effects=(*self.effects, effect))

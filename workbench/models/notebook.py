@@ -1,4 +1,4 @@
-"""A model as a notebook shows it: drives and effects, and the links in the zero posture."""
+"""A model as notebooks show it: drives and effects, and the links in the zero posture."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _UNITS = {"hinge": ("kg m²", "N m s/rad", "N m"), "slide": ("kg", "N s/m", "N")
 
 
 def summary(model: Model) -> Summary:
-    """Drives, what the file states of its joints, and effects."""
+    """Return drives, what the file states of its joints, and effects."""
     a = model.actuators
     kinds = joint_kinds(model)
     units = [_UNITS[kinds[int(row.argmax())]] for row in np.abs(model.transmission)]
@@ -50,12 +50,12 @@ def summary(model: Model) -> Summary:
 
 
 def _says(numbers: tuple[float, ...]) -> bool:
-    """Whether a drive has something: an inertia, damping or limit."""
+    """Return whether a drive has an inertia, damping or limit."""
     return any(0.0 < x < np.inf for x in numbers)
 
 
 def _stated(model: Model) -> list[tuple[str, ...]]:
-    """What the MJCF or URDF itself has of a joint beside its links, where it has something."""
+    """Return what the MJCF or URDF states of a joint beside its links, if anything."""
     tree = Skeleton.of(model.serial).spec
     rows = []
     for joint, kind in zip(model.joints, joint_kinds(model), strict=True):
@@ -67,7 +67,7 @@ def _stated(model: Model) -> list[tuple[str, ...]]:
 
 
 def as_figure(model: Model) -> Figure:
-    """The links of the serial tree in its zero posture, to scale."""
+    """Return a figure of the serial tree's links in its zero posture, to scale."""
     skeleton = Skeleton.of(model.serial)
     data = mujoco.MjData(skeleton.spec)
     mujoco.mj_kinematics(skeleton.spec, data)
@@ -86,7 +86,7 @@ def as_figure(model: Model) -> Figure:
 
 
 def _to_scale(axes: Any, points: np.ndarray) -> None:
-    """A box around points (N, 3) with room for the numbers on its edges."""
+    """Return a box around points (N, 3) with room for the numbers on its edges."""
     low, high = points.min(axis=0), points.max(axis=0)
     wide = np.maximum(1.1 * (high - low), _SLIM * float(np.ptp(points, axis=0).max()))
     middle = 0.5 * (low + high)

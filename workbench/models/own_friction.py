@@ -1,4 +1,4 @@
-"""Dry friction that an MJCF or URDF states at joints and drives: an effect of the model like any other."""
+"""Dry friction that an MJCF or URDF states at joints and drives, treated as an effect of the model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
 
 
 def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
-    """``frictionloss`` of the model's file as `coulomb_friction`, one effect for each joint with some.
+    """Return ``frictionloss`` of the model's file as `coulomb_friction`, one effect per joint that has
+    some.
 
     At a joint that one drive turns, and no other, it is that drive's, as the joint's armature and damping
     are; at any other it is the joint's own. At a tendon that is a drive it is the drive's.
@@ -28,7 +29,7 @@ def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
 
 
 def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...]:
-    """The same out of a model's tree, whose joints have none afterwards.
+    """Remove and return the friction of a model's tree; its joints have none afterwards.
 
     What the file's flag switches off is nowhere any more, and the flag is gone: friction of effects acts.
     """
@@ -49,7 +50,7 @@ def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...
 
 
 def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of the same, by the tendon they act on."""
+    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of this friction, by the tendon it acts on."""
     return {
         axis_tendon(axis, location): (np.array(element.solref_friction), np.array(element.solimp_friction))
         for element, axis, location, _ in _seats(load_tree(model.serial), model)
@@ -59,7 +60,7 @@ def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 def _seats(
     spec: mujoco.MjSpec, model: Model
 ) -> Iterator[tuple[mujoco.MjsJoint | mujoco.MjsTendon, int, Literal["actuator", "joint"], float]]:
-    """What has dry friction, where it sits (axis and location), and the axis's speed over its own."""
+    """Each part with dry friction, its place (axis and location), and the axis's speed over its own."""
     alone, turned, ratio = drives_alone(model)
     drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
     there = {joint.name: joint for joint in spec.joints if joint.frictionloss}
@@ -75,7 +76,8 @@ def _seats(
 
 
 def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
-    """Joints and tendons of a compiled MJCF with dry friction, and how soft MuJoCo's constraint for it is.
+    """Return joints and tendons of a compiled MJCF with dry friction, and how soft MuJoCo's constraint is
+    for each.
 
     That is the time [s] by which the friction turns before a reversal: the constraint pulls the speed w to
     ``a = -b w``, so that under an acceleration a it changes sign 1 / b early.
@@ -93,7 +95,7 @@ def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
 
 
 def _lead(reference: np.ndarray, impedance: np.ndarray, timestep: float) -> float:
-    """One over the constraint's damping [s], as MuJoCo makes it of ``solreffriction`` (its "Computation")."""
+    """One over the constraint's damping [s], as MuJoCo derives it from ``solreffriction`` ("Computation")."""
     if reference[0] > 0.0:
         return 0.5 * float(impedance[1]) * max(float(reference[0]), 2.0 * timestep)
     return float(impedance[1] / max(-reference[1], 1e-12))

@@ -1,4 +1,4 @@
-"""Robots by name from the packages that the field uses: robot_descriptions and MuJoCo Menagerie."""
+"""Robots by name from two common packages: robot_descriptions and MuJoCo Menagerie."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def is_packaged(name: str) -> bool:
 
 
 def packaged_robot(name: str) -> Path | None:
-    """The file of a robot that another package brings, downloaded by that package at its first use.
+    """Return the file of a robot from another package, which downloads it at its first use.
 
     Args:
         name: ``robot_descriptions:ur10e_mj_description`` (its MJCF, else its URDF) or

@@ -1,4 +1,4 @@
-"""Which model file is meant by a path or a name."""
+"""The model file meant by a path or a name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from .packaged import is_packaged, packaged_robot
 
 
 def find_model(path: str | Path) -> Path:
-    """The file meant by `path`: itself, a shipped model (``leg``, ``models/leg.toml``), or a packaged robot.
+    """Return the file meant by `path`: itself, a shipped model (``leg``, ``models/leg.toml``), or a
+    packaged robot.
 
     Raises:
         InputError: there is none; names the shipped models, or what the package of robots lacks.

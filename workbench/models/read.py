@@ -1,4 +1,4 @@
-"""Model files as they are read: TOML for people, MJCF or URDF alone where no more is known."""
+"""Reading models: a TOML file, or an MJCF or URDF alone."""
 
 from __future__ import annotations
 

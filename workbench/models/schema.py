@@ -49,7 +49,7 @@ class ClosedChainTable(_Table):
 
 
 class ActuatorTable(_Table):
-    """``[actuators]``: one value an axis, or one for all."""
+    """``[actuators]``: one value per axis, or one for all."""
 
     inertia: list[_Quantity] | _Quantity = 0.0
     damping: list[_Quantity] | _Quantity = 0.0

@@ -1,4 +1,4 @@
-"""The serial tree as MuJoCo simulates it, before any effect: one spec, one tendon an axis."""
+"""The serial tree as MuJoCo simulates it, before any effect: one spec, with one tendon per axis."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .urdf import is_urdf
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an effect sits: a row of coefficients over the serial joints, and its actuator coordinates.
+    """The place of an effect: a row of coefficients over the serial joints, and its actuator coordinates.
 
     `row` (n,): the axis coordinate is ``row @ q_s``. `index`: the axis number. `location` as in
     `EffectKey`. For a drive `row` is a row of the transmission; for a pin it is a unit vector.
@@ -32,7 +32,7 @@ class Placement:
 
     @staticmethod
     def of(model: Model, key: EffectKey) -> Placement | None:
-        """The placement of an effect on one axis; None where it acts on all axes."""
+        """Return the placement of an effect on one axis; None if it acts on all axes."""
         if key.axis is None:
             return None
         index = model.axes.index(key.axis)
@@ -41,17 +41,17 @@ class Placement:
 
     @property
     def tendon(self) -> str:
-        """Name of the fixed tendon whose length is this coordinate."""
+        """Return the name of the fixed tendon whose length is this coordinate."""
         return axis_tendon(self.index, self.location)
 
 
 def axis_tendon(index: int, location: str = "actuator") -> str:
-    """Name of the tendon that carries an axis's own damping, friction, spring and inertia."""
+    """Return the name of the tendon that carries an axis's own damping, friction, spring and inertia."""
     return f"{location}:{index}"
 
 
 def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> mujoco.MjSpec:
-    """The serial tree with its actuators the Kin-Only way, ready for effects to be installed.
+    """Return the serial tree with Kin-Only actuators, ready for effects to be installed.
 
     Every axis, at the drive and at the pin, is a fixed tendon, so that a drive which moves two joints
     (row (1, 1) of the parallelogram) carries inertia, damping and friction without code per step.
@@ -95,7 +95,8 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
 
 @dataclass(frozen=True)
 class DriveTendon:
-    """A fixed tendon of an MJCF that is as long as a drive has turned, times a ratio: it is that drive.
+    """A fixed tendon of an MJCF whose length is proportional to a drive's angle: it represents that
+    drive.
 
     How S3N writes a drive that turns several joints (paper, Eq. 7): the tendon's armature is its rotor.
     `tendon`: its number in the file; `name`: empty where it has none.
@@ -108,7 +109,7 @@ class DriveTendon:
 
 
 def drive_tendons(model: Model) -> tuple[DriveTendon, ...]:
-    """The tendons of a file that are its drives; a drive alone on a joint has its numbers there."""
+    """The tendons of a file that represent its drives; a drive alone on a joint has its numbers there."""
     m, alone, out = _compiled(model.serial), drives_alone(model)[0], list[DriveTendon]()
     for k in range(m.ntendon):
         turned = tendon_row(m, k)
@@ -121,7 +122,7 @@ def drive_tendons(model: Model) -> tuple[DriveTendon, ...]:
 
 
 def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Inertia and damping (n,) of each drive's own [kg m^2 or kg; N m s/rad or N s/m].
+    """Return inertia and damping (n,) of each drive itself [kg m^2 or kg; N m s/rad or N s/m].
 
     What the model file states, and what the MJCF has at a joint that one drive turns, and no other, or at a
     tendon that is the drive: there its armature is that drive's rotor, and its damping the drive's.
@@ -139,7 +140,7 @@ def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
 
 
 def springs(model: Model) -> np.ndarray:
-    """Stiffness (n,) of each drive's own [N m/rad or N/m]: as of `rotors`, of what the MJCF has."""
+    """Return the stiffness (n,) of each drive itself [N m/rad or N/m], from the MJCF as for `rotors`."""
     m = _compiled(model.serial)
     alone, joint, ratio = drives_alone(model)
     own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
@@ -150,14 +151,14 @@ def springs(model: Model) -> np.ndarray:
 
 
 def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which drives turn one joint that no other turns; of each its first joint, and its ratio: (n,) each."""
+    """Which drives turn one joint that no other turns, the first joint of each, and its ratio: (n,) each."""
     turns = model.transmission != 0.0
     alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
     return alone, turns.argmax(axis=1), model.transmission.sum(axis=1)
 
 
 def turned_joint(model: Model, place: Placement) -> tuple[str, float] | None:
-    """The joint whose own numbers are those of a place, and the place's coordinate over the joint's.
+    """Return the joint whose own numbers belong to a place, and the place's coordinate over the joint's.
 
     The joint of a pin; of a drive the one that it turns, and no other: None where there is no such joint.
     """
@@ -168,7 +169,7 @@ def turned_joint(model: Model, place: Placement) -> tuple[str, float] | None:
 
 
 def _compiled(serial: Path) -> mujoco.MjModel:
-    """A tree as its file states it; to be read only."""
+    """Return a tree as its file states it; read only."""
     return _compiled_once(serial, serial.stat().st_mtime_ns)
 
 
@@ -179,7 +180,7 @@ def _compiled_once(serial: Path, written: int) -> mujoco.MjModel:
 
 
 def joint_kinds(model: Model) -> tuple[str, ...]:
-    """``hinge`` or ``slide`` per serial joint."""
+    """Return ``hinge`` or ``slide`` per serial joint."""
     return _kinds(model.serial, tuple(model.joints))
 
 
@@ -191,7 +192,7 @@ def _kinds(serial: Path, joints: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def limits_left_out(model: Model) -> str | None:
-    """A note on torque limits of an MJCF's own actuators, which no simulation here has; None without any."""
+    """A note on torque limits of the MJCF's actuators, which simulations here ignore; None without any."""
     if np.isfinite(model.actuators.torque_limit).any():
         return None
     names = [name for name in model.joints if name in _limited(model.serial)]
@@ -206,7 +207,7 @@ def limits_left_out(model: Model) -> str | None:
 
 
 def free_joints(model: Model) -> str | None:
-    """A note on joints of the file that no axis moves and that are held by nothing; None without any."""
+    """Return a note on joints of the file that are no axis and held by nothing; None without any."""
     m = _compiled(model.serial)
     names = [m.joint(k).name for k in range(m.njnt) if m.joint(k).name not in model.joints]
     if not names:
@@ -220,7 +221,7 @@ def free_joints(model: Model) -> str | None:
 
 @lru_cache(maxsize=64)
 def _limited(serial: Path) -> frozenset[str]:
-    """Joints of an MJCF whose torque it limits, by an actuator's range of force or control, or their own."""
+    """Return joints whose torque the MJCF limits, by an actuator's force or control range, or their own."""
     m = load_tree(serial).compile()
     on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
     motor = m.actuator_biastype == int(mujoco.mjtBias.mjBIAS_NONE)  # else its control is no torque

@@ -1,4 +1,4 @@
-"""Actuators of an MJCF that move several joints at once, by a tendon: the transmission that they make."""
+"""Actuators of an MJCF that move several joints through a tendon, and the transmission that results."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from workbench.core import InputError
 def shared_drives(
     spec: mujoco.MjSpec, joints: list[str], file: Path
 ) -> tuple[tuple[str, ...], np.ndarray] | None:
-    """The drives of an MJCF in which an actuator moves several joints by a fixed tendon; None without one.
+    """Return the drives of an MJCF in which an actuator moves several joints by a fixed tendon; None
+    without one.
 
-    Taken as one drive a joint, it would be another machine, of which every result is wrong.
+    Taken as one drive per joint, it would be another machine, of which every result is wrong.
 
     Args:
         spec: the tree, which compiles.
@@ -50,7 +51,7 @@ def shared_drives(
 
 
 def _row(m: mujoco.MjModel, actuator: int) -> dict[str, float]:
-    """Joint -> how the actuator's coordinate turns with it; nothing of what passes along sites."""
+    """Return joint -> how far the actuator's coordinate turns with it; empty for tendons along sites."""
     kind, target = int(m.actuator_trntype[actuator]), int(m.actuator_trnid[actuator, 0])
     if kind == mujoco.mjtTrn.mjTRN_JOINT:
         return {m.joint(target).name: 1.0}
@@ -60,7 +61,7 @@ def _row(m: mujoco.MjModel, actuator: int) -> dict[str, float]:
 
 
 def tendon_row(m: mujoco.MjModel, tendon: int) -> dict[str, float]:
-    """Joint -> how a fixed tendon's length turns with it; nothing of one that passes along sites."""
+    """Return joint -> how far a fixed tendon's length changes with it; empty for tendons along sites."""
     wraps = range(m.tendon_adr[tendon], m.tendon_adr[tendon] + m.tendon_num[tendon])
     if any(m.wrap_type[w] != mujoco.mjtWrap.mjWRAP_JOINT for w in wraps):
         return {}

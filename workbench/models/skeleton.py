@@ -1,4 +1,4 @@
-"""Where the links of a serial tree are along a motion: line segments in space, by MuJoCo's kinematics."""
+"""Links of a serial tree along a motion, as line segments in space, by MuJoCo's kinematics."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Skeleton:
 
     @staticmethod
     def of(serial: Path) -> Skeleton:
-        """Capsules and cylinders of an MJCF; where a body has none, lines from joint to joint."""
+        """Return capsules and cylinders of an MJCF; for a body without any, lines from joint to joint."""
         m = load_tree(serial).compile()
         rows: list[tuple[int, np.ndarray, float]] = []
         for body in range(1, m.nbody):
@@ -56,10 +56,10 @@ class Skeleton:
         )
 
     def along(self, model: Model, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-        """The segments while a recording (or a run of it) moves.
+        """Return the segments along the motion of a recording (or a run of it).
 
         Returns:
-            Times [s], (T,), at most 60 a second, and segments [m], (T, S, 2, 3).
+            Times [s], (T,), at most 60 per second, and segments [m], (T, S, 2, 3).
         """
         most = min(_MOST, len(recording))
         count = int(np.clip(recording.duration * _RATE_HZ, min(_FEWEST, most), most))
@@ -79,7 +79,7 @@ class Skeleton:
 
 
 def facing(segments: np.ndarray) -> float:
-    """Azimuth [rad] from which a motion is seen best: across the vertical plane that holds most of it."""
+    """The azimuth [rad] of the best view of a motion: across the vertical plane that contains most of it."""
     flat = segments[..., :2].reshape(-1, 2)
     flat = flat - flat.mean(axis=0)
     across = np.linalg.eigh(flat.T @ flat)[1][:, 0]
@@ -111,7 +111,7 @@ def _shapes(m: mujoco.MjModel, body: int) -> list[tuple[np.ndarray, float]]:
 
 
 def _lines(m: mujoco.MjModel, body: int) -> list[tuple[np.ndarray, float]]:
-    """From a body's joint to those of the bodies on it; of the last one, to its site or its mass."""
+    """Lines from a body's joint to those of its child bodies; for the last body, to its site or its mass."""
     joint = m.body_jntadr[body]
     start = m.jnt_pos[joint] if joint >= 0 else np.zeros(3)
     to = [m.body_pos[child] for child in range(1, m.nbody) if m.body_parentid[child] == body]

@@ -1,4 +1,4 @@
-"""The MJCF or URDF of a model as MuJoCo parses it: its joints, and where it ends."""
+"""The MJCF or URDF of a model as MuJoCo parses it: its joints, and its end."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _take_inertia_from_geoms(spec: mujoco.MjSpec) -> None:
 
 
 def load_tree(path: Path) -> mujoco.MjSpec:
-    """The same for a model: a base that floats hangs on six joints (`floating.BASE_AXES`).
+    """Return the tree of a model: a floating base hangs on six joints (`floating.BASE_AXES`).
 
     Raises:
         InputError: as `load_mjcf`; or several bodies float.
@@ -78,7 +78,7 @@ def load_tree(path: Path) -> mujoco.MjSpec:
 
 
 def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
-    """Names of its joints, of which each turns or slides, in a tree that MuJoCo can compile.
+    """Return the names of its joints, all hinges or slides, in a tree that MuJoCo can compile.
 
     Raises:
         InputError: it has none or others, they have no names or a negative number, gravity is no number of
@@ -90,7 +90,7 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             raise InputError(
                 f"joint '{joint.name}' is a ball",
                 file=file,
-                remedy="below its base a model has hinge and slide joints only",
+                remedy="a model may have only hinge and slide joints below its base",
             )
         if not joint.name:
             raise InputError("a joint has no name", file=file, remedy="name every joint")
@@ -118,7 +118,7 @@ def _refuse_negative(joint: mujoco.MjsJoint, file: Path) -> None:
 
 
 def end_site(spec: mujoco.MjSpec) -> str | None:
-    """The site where the machine ends and a payload would hang, if only one is at the end of what moves."""
+    """Return the site at the machine's end, where a payload would hang, if there is only one."""
     moving = [b for b in spec.bodies if b.joints]
     ends = [b for b in moving if not any(other is not b and _carries(b, other) for other in moving)]
     sites = [s.name for b in ends for s in b.find_all("site") if s.name]

@@ -1,4 +1,4 @@
-"""The effects that a model file states: entries of its own, and what its variant of S3N adds."""
+"""The effects that a model file states: its own entries, and those that its S3N variant adds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LINKAGE_UNITS = {"M11": "kg*m^2", "M12": "kg*m^2", "M22": "kg*m^2", "g1": "N*m"
 
 
 def effects_of_variant(variant: str, linkage: Linkage | None, file: Path) -> list[AppliedEffect]:
-    """What a variant of S3N adds to the serial tree."""
+    """Return the effects that a variant of S3N adds to the serial tree."""
     names = VARIANTS[variant]
     if linkage is None and set(names) & set(_LINKAGE_KEYS):
         raise InputError(
@@ -26,14 +26,14 @@ def effects_of_variant(variant: str, linkage: Linkage | None, file: Path) -> lis
 
 
 def structural_effect(name: str, linkage: Linkage | None) -> AppliedEffect:
-    """A structural effect of S3N with the parameters that identification gave."""
+    """Return a structural effect of S3N with its identified parameters."""
     keys = _LINKAGE_KEYS.get(name, ())
     values = {k: Estimate(getattr(linkage or Linkage(), k), 0.0, _LINKAGE_UNITS[k]) for k in keys}
     return AppliedEffect(EffectKey(name, None), values)
 
 
 def effects_of_entry(entry: EffectTable, axes: Sequence[str], file: Path) -> list[AppliedEffect]:
-    """One effect, or several of a kind."""
+    """Return the effect of an entry, or several of a kind."""
     if entry.axis is not None and entry.axis not in axes:
         raise InputError(
             f"effect '{entry.effect}' is on axis '{entry.axis}'", file=file, column="effects.axis",

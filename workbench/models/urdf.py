@@ -1,4 +1,4 @@
-"""A URDF as a serial tree: joints and inertias; its looks are left out, so that no mesh is needed."""
+"""A URDF as a serial tree: joints and inertias; visuals are dropped, so that no mesh is needed."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ _COMPILER = {"fusestatic": "false", "discardvisual": "true"}
 
 
 def is_urdf(file: Path) -> bool:
-    """Whether a model's file is a URDF, by its ending."""
+    """Return whether a model's file is a URDF, by its ending."""
     return file.suffix.lower() == ".urdf"
 
 
 def load_urdf(file: Path) -> mujoco.MjSpec:
-    """Parse the links and joints of a URDF; where it ends in one link, its frame is a site for a payload.
+    """Parse the links and joints of a URDF; if it ends in a single link, the link's frame is a payload
+    site.
 
     Raises:
         InputError: no URDF, one that xacro has yet to expand, one with loops or joints that follow others, or

@@ -1,4 +1,4 @@
-"""A URDF as somebody wrote it, of which joints and links get other numbers."""
+"""A URDF file as its author wrote it, in which numbers of joints and links can be replaced."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SIX = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2
 
 
 class UrdfText:
-    """A URDF and what is to change in it.
+    """A URDF file and the changes to make in it.
 
     Attributes:
         numbers: of a joint that it has a place for.
@@ -29,17 +29,17 @@ class UrdfText:
         self._text = text
 
     def has(self, name: str, kind: str = "joint") -> bool:
-        """Whether this joint stands in the file; a URDF has no tendons."""
+        """Return whether the file has this joint; a URDF has no tendons."""
         return self._named(kind, name) is not None
 
     def set_numbers(self, name: str, values: Mapping[str, float], kind: str = "joint") -> None:
-        """Give a joint numbers, by the names that MJCF has for them."""
+        """Set numbers of a joint by their MJCF names."""
         element = self._named(kind, name)
         assert element is not None
         self._part(element, "dynamics", {_CALLED[name]: digits(v) for name, v in values.items()})
 
     def set_body(self, joint: str, before: Inertial, after: Inertial, frame: np.ndarray) -> None:
-        """Give the link behind a joint another mass, centre and inertia.
+        """Set mass, centre and inertia of the link behind a joint.
 
         Args:
             joint: its name.
@@ -65,7 +65,7 @@ class UrdfText:
             self._part(inertial, "inertia", {name: there[3 * i + j] for name, (i, j) in _SIX.items()})
 
     def _part(self, element: Element, tag: str, values: Mapping[str, str]) -> None:
-        """Attributes of a child, which is made where there is none."""
+        """Return attributes of a child element, which is created if it is missing."""
         part = element.child(tag)
         if part is None:
             self._text.add_after(element.children[-1], tag, values)
@@ -78,7 +78,7 @@ class UrdfText:
 
 
 def _axes(turn: np.ndarray) -> np.ndarray:
-    """Rotation (3, 3) by roll, pitch and yaw (3,) [rad] about fixed axes, one after the other."""
+    """Return the rotation (3, 3) for roll, pitch and yaw (3,) [rad] about fixed axes, in this order."""
     quaternion, flat = np.zeros(4), np.zeros(9)
     mujoco.mju_euler2Quat(quaternion, turn, "XYZ")
     mujoco.mju_quat2Mat(flat, quaternion)

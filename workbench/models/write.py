@@ -1,4 +1,4 @@
-"""Model files as they are written: TOML that reads back equal."""
+"""Writing models: TOML files that read back equal."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
 
 
 def model_text(model: Model, path: str | Path) -> str:
-    """The text of a model file that is to lie at `path`."""
+    """Return the text of a model file for the place `path`."""
     text = tomli_w.dumps(model_table(model, Path(path).resolve().parent))
     name = " ".join(plain(model.name).split())  # a comment ends with its line
     return f"# {name}: written by workbench.\n" + _arrays_on_one_line(text)
 
 
 def _arrays_on_one_line(text: str) -> str:
-    """Innermost arrays as a person would write them; nothing else changes."""
+    """Put innermost arrays on one line; nothing else changes."""
     return re.sub(
         r"\[\n([^\[\]{}]*?),?\n\s*\]",
         lambda m: "[" + ", ".join(x.strip() for x in m[1].split(",\n")) + "]",
@@ -45,7 +45,7 @@ def _arrays_on_one_line(text: str) -> str:
 
 
 def model_table(model: Model, folder: Path) -> dict[str, Any]:
-    """The model as the nested tables of a model file that lies in `folder`."""
+    """Return the model as nested tables of a model file in `folder`."""
     # a structural effect that was taken out or given other values makes it no longer that variant
     inside = tuple(structural_effect(name, model.linkage) for name in VARIANTS[model.variant])
     variant = model.variant if model.effects[: len(inside)] == inside else "kin_only"
@@ -100,7 +100,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
 
 
 def linkage_table(linkage: Linkage) -> dict[str, Any]:
-    """A linkage as ``[linkage]`` and JSON have it; without the crank where that is not known."""
+    """Return a linkage as in ``[linkage]`` and JSON; without the crank if that is unknown."""
     table = dict(vars(linkage))
     crank = table.pop("crank")
     return table | ({"crank": dict(vars(crank))} if crank else {})
@@ -143,7 +143,7 @@ def _effect_table(effect: AppliedEffect) -> dict[str, Any]:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """A path that is found again: in the shipped models, or from the folder of the new file."""
+    """Return a path that can be found again: in the shipped models, or relative to the new file's folder."""
     for root in (models_folder().resolve(), folder):
         # one of the same name beside the new file would be found first
         if path.is_relative_to(root) and (root == folder or not (folder / path.relative_to(root)).exists()):

@@ -13,7 +13,7 @@ from .proposal import Question
 
 
 def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:
-    """Axis names, and signal -> one column an axis; signals that lack a joint are left out, and said.
+    """Axis names, and signal -> one column per axis; signals that lack a joint are left out, and said.
 
     Raises:
         InputError: there is no position, or another number of axes than was stated.
@@ -46,7 +46,7 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
 
 
 def _stated_in_order(draft: Draft, joints: list[str], axes: list[str]) -> dict[str, dict[str, str]]:
-    """Signal -> joint -> column of signals that are stated alone: one an axis, whatever the file's order is.
+    """Signal -> joint -> column of signals that are stated alone: one per axis, whatever the file's order is.
 
     Beside stated positions they stand in the order of these, which their names may change.
     """
@@ -150,7 +150,7 @@ def _readable(joint: str, k: int, count: int) -> str:
 
 
 def _in_order(by_joint: dict[str, str], joints: list[str], every: list[str]) -> list[str] | None:
-    """One column a joint: by name, else by order where there are as many as positions."""
+    """One column per joint: by name, else by order where there are as many as positions."""
     if all(j in by_joint for j in joints):
         return [by_joint[j] for j in joints]
     if len(by_joint) == len(every) and not set(by_joint) & set(every):

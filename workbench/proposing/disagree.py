@@ -47,7 +47,7 @@ def note_factors(
 
     Args:
         draft: takes the notes.
-        columns: signal -> its columns, one an axis.
+        columns: signal -> its columns, one per axis.
         axes: names of the axes.
         clock: unit of time.
         units: ``position`` and ``velocity`` -> unit of each axis.

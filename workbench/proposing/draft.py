@@ -8,7 +8,7 @@ from .names import Role
 from .proposal import Answers, Assumption, Question
 from .table import Table
 
-FALLBACK_RATE = 100.0  # rows a second, for looking at the rest while the question is open
+FALLBACK_RATE = 100.0  # rows per second, for looking at the rest while the question is open
 
 
 @dataclass

@@ -36,7 +36,7 @@ def take_controller(
 
     Args:
         draft: the table; takes what is assumed and noted.
-        columns: signal -> its columns, one an axis; gains are taken out.
+        columns: signal -> its columns, one per axis; gains are taken out.
         axes: names of the axes.
         coordinates: of the recording, in which drives close their loops.
     """
@@ -58,7 +58,7 @@ def gains_shown(controller: Mapping[str, Any]) -> str:
 
 
 def _values(draft: Draft, gain: str, names: Sequence[str], axes: Sequence[str]) -> list[float] | None:
-    """One gain an axis; None, and a note, where one changes."""
+    """One gain per axis; None, and a note, where one changes."""
     out = []
     for axis, name in zip(axes, names, strict=True):
         column = draft.table.columns[name]

@@ -17,7 +17,7 @@ _FEW = 50
 
 @dataclass(frozen=True)
 class Law:
-    """``torque = kp (q_ref - q) + kd (v_ref - v)``, one gain an axis; `rest` stays of it."""
+    """``torque = kp (q_ref - q) + kd (v_ref - v)``, one gain per axis; `rest` stays of it."""
 
     kp: tuple[float, ...]
     kd: tuple[float, ...]

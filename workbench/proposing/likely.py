@@ -40,12 +40,12 @@ def motion_units(
     tied: tuple[Mapping[int, float], Mapping[int, Relation]],
     wraps: Mapping[str, float],
 ) -> tuple[Told, dict[str, list[UnitTold]]]:
-    """The clock's unit, and those of ``position`` and, where it was logged, ``velocity``, one an axis.
+    """The clock's unit, and those of ``position`` and, where it was logged, ``velocity``, one per axis.
 
     Args:
         draft: what the user says, and the names of the columns.
         rows: of the columns that are used.
-        columns: signal -> its columns, one an axis.
+        columns: signal -> its columns, one per axis.
         stated: units that are stated.
         by_time: weights of the clock's units.
         tied: axis -> velocity over slope of position [own units], and their relation, where they are alike.

@@ -66,12 +66,12 @@ class Answers:
 
     Attributes:
         axes: names of the axes, in order.
-        columns: signal -> the table's columns, one an axis (``time``: one).
-        units: kind -> unit, or one an axis with commas between.
+        columns: signal -> the table's columns, one per axis (``time``: one).
+        units: kind -> unit, or one per axis with commas between.
         coordinates: ``actuator`` or ``joint``.
-        rate_hz: rows a second, where there is no time column.
+        rate_hz: rows per second, where there is no time column.
         counts: encoder counts per turn.
-        kp, kd, period_s: the controller, one gain an axis or one for all.
+        kp, kd, period_s: the controller, one gain per axis or one for all.
         model_axes: the model's axes, in its order.
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.

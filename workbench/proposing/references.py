@@ -60,7 +60,7 @@ def settle_commands(out: Signals, data: dict[str, np.ndarray]) -> None:
 
 
 def unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
-    """Columns without a meaning that a position follows, one a joint."""
+    """Columns without a meaning that a position follows, one per joint."""
     free = [n for n in data if n not in out.used() and not roles[n].kind]
     by_name = {roles[n].joint: n for n in free if roles[n].role == "reference"}
     positions = out.columns.get("position", {})

@@ -23,10 +23,10 @@ def settle_scales(
 
     Args:
         draft: takes what is assumed and noted.
-        columns: signal -> its columns, one an axis.
+        columns: signal -> its columns, one per axis.
         axes: names of the axes.
         units: kind -> unit of each axis.
-        relations: of velocity to position, one an axis; none where no velocity was logged.
+        relations: of velocity to position, one per axis; none where no velocity was logged.
     """
     factors = {
         signal: [_factor(draft, signal, column, unit) for column, unit in zip(names, own, strict=True)]

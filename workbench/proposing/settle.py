@@ -48,11 +48,11 @@ def settle_units(
     Args:
         draft: takes what is assumed, asked and noted.
         rows: of the columns that are used.
-        columns: signal -> its columns, one an axis.
+        columns: signal -> its columns, one per axis.
         axes: names of the axes.
         time: the column of time, if there is one.
         step: median step of time [its unit].
-        relations: of velocity to position, one an axis.
+        relations: of velocity to position, one per axis.
         wraps: position columns of encoders that wrap -> their ranges.
 
     Raises:

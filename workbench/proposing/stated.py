@@ -17,7 +17,7 @@ EXAMPLES = {"position": ("deg", "mm"), "velocity": ("deg/s", "mm/s"), "torque": 
 
 @dataclass(frozen=True)
 class Stated:
-    """What is known of units before numbers are looked at; one entry an axis.
+    """What is known of units before numbers are looked at; one entry per axis.
 
     Attributes:
         linear: whether the axis moves along a line.
@@ -104,7 +104,7 @@ def _unit(
 
 
 def _said(draft: Draft, kind: str, n: int) -> list[str]:
-    """What the user says: nothing, one unit, or one an axis."""
+    """What the user says: nothing, one unit, or one per axis."""
     units = [pint_unit(u, kind) for u in listed(draft.answers.units.get(kind, ""))]
     if len(units) not in (0, 1, n):
         turning, line = EXAMPLES[kind]

@@ -45,7 +45,7 @@ def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -
         raise InputError(
             f"only {kept} of {every} rows can be used. {' '.join(rows.notes)}",
             file=draft.table.file,
-            remedy="give a table with one row a sample, all columns in it",
+            remedy="give a table with one row per sample, all columns in it",
         )
     return rows
 

@@ -1,4 +1,4 @@
-"""Reads, checks and writes what was measured: one TOML file and one table per recording."""
+"""Recordings: read, checked and written; one TOML file and one table each."""
 
 from .description import is_model_file
 from .files import source_files

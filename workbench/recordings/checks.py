@@ -1,4 +1,4 @@
-"""Whether a recording can say anything: long enough, fast enough, alive where it was driven."""
+"""Checks that a recording is long enough, fast enough, and changes where it was driven."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MEASURED = ("position", "velocity", "torque_measured")
 
 
 def check_finite(d: Description, signals: Mapping[str, np.ndarray], measured: np.ndarray, path: Path) -> None:
-    """Raises InputError at the first cell of a measured row that is no number a sensor can have given."""
+    """Raise InputError at the first cell of a measured row that no sensor can have given."""
     for signal, values in signals.items():
         bad = measured[:, None] & ~(np.abs(values) < _LARGEST)
         if bad.any():
@@ -35,7 +35,7 @@ def check_finite(d: Description, signals: Mapping[str, np.ndarray], measured: np
 
 
 def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) -> None:
-    """Raises InputError where the recording is shorter or slower than its stated excitation.
+    """Raise InputError if the recording is shorter or slower than its stated excitation.
 
     Args:
         d: the recording's description.
@@ -64,7 +64,7 @@ def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) 
 
 
 def check_alive(d: Description, signals: Mapping[str, np.ndarray], path: Path) -> None:
-    """Raises InputError where a measured signal of a driven axis never changes. A held axis is fine."""
+    """Raise InputError if a measured signal of a driven axis never changes. A held axis is fine."""
     if d.excitation.kind == "hold":
         return
     driven = driven_axes(signals)
@@ -84,7 +84,7 @@ def check_alive(d: Description, signals: Mapping[str, np.ndarray], path: Path) -
 
 
 def driven_axes(signals: Mapping[str, np.ndarray]) -> np.ndarray | None:
-    """Which axes were excited, shape (n,) bool; None where nothing logged says so.
+    """Return which axes were excited, shape (n,) bool; None if the log does not tell.
 
     Reference and feedforward say it. A command counts too, unless it is only the feedback of a held
     axis answering its sensor's noise: it must be a tenth of the largest, in a run that was driven. Where
@@ -106,5 +106,5 @@ _STATED = ("position_reference", "velocity_reference", "torque_feedforward")
 
 
 def _changes(values: np.ndarray) -> np.ndarray:
-    """Which columns of (N, n) move by more than the rounding of floats."""
+    """Return which columns of (N, n) change by more than the rounding of floats."""
     return np.ptp(values, axis=0) > 1e-9 * (1 + np.abs(values).max(axis=0))

@@ -1,4 +1,4 @@
-"""The clock of a log: what is rounding, what is jitter, what is missing."""
+"""The clock of a log: rounding of its time stamps, jitter, and missing rows."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
 
 @dataclass(frozen=True)
 class Clock:
-    """How the rows of a table lie on a uniform clock.
+    """The position of a table's rows on a uniform clock.
 
     Attributes:
         time: the uniform clock [s], shape (M,), from 0.
@@ -40,7 +40,7 @@ class Clock:
 
     @property
     def late_s(self) -> float:
-        """How far rows were taken from the clock's times, rms [s]; 0 where the clock does not jitter."""
+        """Return the rms distance of the rows from the clock's times [s]; 0 if the clock does not jitter."""
         if self.row is not None:
             return 0.0
         places = self.logged / self.time[1]
@@ -48,7 +48,7 @@ class Clock:
 
     @property
     def whole(self) -> bool:
-        """Whether the table's rows are the clock's rows, one by one."""
+        """Return whether the table's rows are exactly the clock's rows."""
         return self.row is not None and len(self.row) == len(self.time)
 
 
@@ -124,7 +124,7 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
 
 
 def _gaps(t: np.ndarray, period: float, wide: np.ndarray) -> np.ndarray:
-    """Of increments that are wide, those that hide rows: all later rows are a row late, not one stamp.
+    """Return which wide time steps hide missing rows: then all later rows are late, not one stamp only.
 
     Where all later rows are late by a part of a row, the logger paused and lost nothing.
     """
@@ -151,7 +151,7 @@ def _check_forward(step: np.ndarray, kept: np.ndarray, column: str, path: Path) 
 
 
 def _rounding(t: np.ndarray) -> float:
-    """The step to which the times were rounded when written [s]; 0 where they were not.
+    """Return the step to which the times were rounded when written [s]; 0 if they were not.
 
     A clock of 1/3 ms printed with four decimals has increments that differ by a third, and no jitter.
     """
@@ -163,7 +163,7 @@ def _rounding(t: np.ndarray) -> float:
 
 
 def _short(value: float, tolerance: float) -> float:
-    """The shortest number within the tolerance: 0.001 rather than 0.00099999996."""
+    """Return the shortest number within the tolerance: 0.001 rather than 0.00099999996."""
     for digits in range(1, 16):
         short = float(f"{value:.{digits}g}")
         if abs(short - value) <= tolerance:

@@ -1,4 +1,4 @@
-"""From table columns to SI: scale and offset first, in the stated unit; then the unit itself."""
+"""From table columns to SI: first scale and offset in the stated unit, then the unit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LINEAR = {"position": "m", "velocity": "m/s", "torque": "N"}
 
 
 def axis_signals(d: Description, data: dict[str, np.ndarray], path: Path) -> dict[str, np.ndarray]:
-    """Every axis signal of the description in SI, each (N, n)."""
+    """Return every axis signal of the description in SI, each (N, n)."""
     return {
         signal: np.column_stack(
             [
@@ -29,7 +29,7 @@ def axis_signals(d: Description, data: dict[str, np.ndarray], path: Path) -> dic
 
 
 def extra_signals(d: Description, data: dict[str, np.ndarray], path: Path) -> dict[str, np.ndarray]:
-    """Columns kept beside the axis signals, each (N, k); ``base_*`` is taken as SI already."""
+    """Return columns kept beside the axis signals, each (N, k); ``base_*`` must be in SI already."""
     kinds = {"ground_force": "force"}
     return {
         signal: np.column_stack(
@@ -41,12 +41,12 @@ def extra_signals(d: Description, data: dict[str, np.ndarray], path: Path) -> di
 
 
 def seconds(d: Description, data: dict[str, np.ndarray], path: Path) -> np.ndarray:
-    """The time column [s], shape (N,)."""
+    """Return the time column [s], shape (N,)."""
     return _si(data, d.columns["time"][0], d.units.get("time", ["s"])[0], "time", path)
 
 
 def axis_units(d: Description, path: Path) -> tuple[str, ...]:
-    """``"rad"`` or ``"m"`` for each axis.
+    """Return ``"rad"`` or ``"m"`` for each axis.
 
     Raises:
         InputError: a velocity or torque unit that does not fit its axis' position unit.
@@ -68,7 +68,7 @@ def axis_units(d: Description, path: Path) -> tuple[str, ...]:
 
 
 def _units(d: Description, kind: str) -> list[str]:
-    """The unit of each axis; where none is stated SI, linear where the position is."""
+    """Return the unit of each axis; SI if none is stated, linear if the position is."""
     stated = d.units.get(kind)
     if stated is not None:
         return stated * len(d.axes) if len(stated) == 1 else stated

@@ -1,4 +1,4 @@
-"""Drives that give no torque while one is asked of them: an emergency stop, or drives enabled late."""
+"""Drives without torque although one is commanded: an emergency stop, or drives enabled late."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def dead_rows(
     controller: Controller,
     coordinates: str,
 ) -> np.ndarray:
-    """Rows and axes (N, n) bool in which a drive gives no torque though one is asked for.
+    """Return rows and axes (N, n) bool in which a drive gives no torque although one is commanded.
 
     Args:
         signals: name -> (N, n), on a uniform clock.
@@ -47,7 +47,7 @@ def dead_rows(
 
 
 def dead_note(dead: np.ndarray, axes: Sequence[str], period: float) -> str:
-    """Which drives are off from when to when, one sentence."""
+    """Return one sentence: which drives are off, and when."""
     any_dead = np.array([rows.any() for rows in dead])
     named = [f"'{axis}'" for axis, rows in zip(axes, dead.T, strict=True) if rows.any()]
     spans = [f"from {a * period:.4g} s " + _until(b, len(any_dead), period) for a, b in _spans(any_dead)]
@@ -76,7 +76,7 @@ def _asked(signals: Mapping[str, np.ndarray], controller: Controller, coordinate
 
 
 def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int, least: int) -> np.ndarray:
-    """Rows (N,) of one axis; the drive is taken to be off from its first row of silence to its last."""
+    """Return the rows (N,) of one axis from the first to the last in which its drive gives no torque."""
     none = np.zeros(len(measured), bool)
     if not good.any() or np.ptp(measured[good]) == 0:
         return none
@@ -103,7 +103,8 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
 
 
 def _follows(given: np.ndarray, asked: np.ndarray) -> bool:
-    """Whether a drive does what is asked while it gives a torque; else it is no silence that stands out.
+    """Return whether a drive follows its command while it gives a torque; otherwise zero torque is no
+    sign.
 
     A law of a wrong sign asks for a hundred times what the axis needs, and gets a tenth of it by chance.
     """

@@ -1,4 +1,4 @@
-"""The TOML file of a recording: what may stand in it, and one clear line where something may not."""
+"""The TOML file of a recording: its allowed content, and a clear error line for anything else."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from workbench.core.units import KINDS
 
 
 def _listed(value: Any) -> Any:
-    """A scalar stands for a list of one."""
+    """Return a list: a scalar counts as a list of one."""
     return value if isinstance(value, list) else [value]
 
 
@@ -41,7 +41,7 @@ def _column(value: Any) -> Any:
 
 
 def _lines(value: Any) -> Any:
-    """Which harmonics were excited: a grid's name, or their numbers, ascending."""
+    """Return the excited harmonics: a grid's name, or their numbers, ascending."""
     if isinstance(value, list) and value and all(type(k) is int and k > 0 for k in value):
         return tuple(sorted(set(value)))
     if isinstance(value, str) and re.fullmatch(r"full|odd|odd_random|every_[1-9]\d{0,8}", value):
@@ -95,7 +95,7 @@ class TimingTable(_Table):
 
 
 class Description(_Table):
-    """The whole TOML file, `columns` and `units` still to be checked by name."""
+    """The whole TOML file; `columns` and `units` are checked later by name."""
 
     format: Literal[1]
     name: str | None = None
@@ -120,7 +120,7 @@ _COLUMN_KEYS = ("time", "valid", "ground_force", *AXIS_SIGNALS)
 
 
 def is_extra(signal: str) -> bool:
-    """Whether a key of ``[columns]`` is kept beside the axis signals (any number of columns)."""
+    """Return whether a key of ``[columns]`` is kept beside the axis signals (any number of columns)."""
     return signal == "ground_force" or signal.startswith("base_")
 
 
@@ -154,7 +154,7 @@ def read_description(path: Path) -> Description:
 
 
 def is_model_file(path: Path) -> bool:
-    """Whether a file is a model and no recording: an MJCF or URDF, or a TOML that names one as ``serial``."""
+    """Whether a file is a model, not a recording: an MJCF or URDF, or a TOML with the key ``serial``."""
     if path.suffix.lower() in (".xml", ".urdf"):
         return True
     if path.suffix.lower() != ".toml":
@@ -167,7 +167,7 @@ def is_model_file(path: Path) -> bool:
 
 
 def _other_kind(path: Path, content: Mapping[str, Any]) -> str:
-    """What to do where the file is a model or a table; empty where it may be a recording."""
+    """Return what to do with a file that is a model or a table; empty if it may be a recording."""
     if path.suffix in (".xml", ".urdf") or "serial" in content:
         return "it is a model, which comes first: MODEL REC..."
     if path.suffix != ".toml":

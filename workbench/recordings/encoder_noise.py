@@ -1,4 +1,4 @@
-"""Noise of encoders: rounding, and what is white beside it; motion that looks like noise is neither."""
+"""Noise of encoders: rounding and white noise; motion that looks like noise is neither."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _CHANCE = 3.0  # deviations by which powers differ for certain
 
 
 def position_noise(positions: np.ndarray, valid: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Standard deviation (n,) of the noise of positions, rounding included; NaN where nothing moves.
+    """Return the standard deviation (n,) of position noise including rounding; NaN where nothing moves.
 
     Rounding alone leaves white noise of its own size. A hard-driven axis leaves motion beside it, which is no
     noise: it falls off from band to band, where noise stays. Of an axis on which that cannot be told the
@@ -39,7 +39,8 @@ def position_noise(positions: np.ndarray, valid: np.ndarray, steps: np.ndarray) 
 
 
 def _stays(signal: np.ndarray, valid: np.ndarray, rounding: float) -> bool:
-    """Whether what is left of a signal (N,) is more than rounding and, as noise does, falls no further.
+    """Return whether the residual of a signal (N,) exceeds rounding and, like noise, does not shrink
+    further.
 
     What motion adds falls by about one factor from band to band, from which follows how much of it is in the
     last one still.

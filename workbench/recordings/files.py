@@ -10,7 +10,7 @@ from .tables.can_table import dbc_of, read_can
 
 
 def source_files(path: str | Path) -> list[Path]:
-    """A recording's TOML file, the table that it names, and the DBC where that is a log of a bus.
+    """Return a recording's TOML file, its table, and the DBC file if the table is a log of a bus.
 
     Raises:
         InputError: the TOML file cannot be read.

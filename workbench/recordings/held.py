@@ -1,4 +1,4 @@
-"""Signals that a loop holds between its ticks, from rows that were not taken at those ticks."""
+"""Signals that a loop holds between its ticks, from rows that were not sampled at those ticks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PAIRS = 20_000  # of successive rows, enough to tell a phase
 
 
 def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[float, float] | None:
-    """When the loop that made a held signal ticked, from rows at times that are none of its ticks.
+    """Return the ticks of the loop that made a held signal, from rows at other times.
 
     Args:
         times: of the rows (K,) [s].
@@ -41,7 +41,7 @@ def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[
     before, after = times[change], times[change + 1]
 
     def told(phase: float, slack: float) -> float:
-        """Share of the changes that have a tick between their rows, or so much beside them."""
+        """Return the share of the changes that have a tick between their rows, or such a size beside them."""
         last, first = (after + slack - phase) / period, (before - slack - phase) / period
         return float(np.mean(np.floor(last + 1e-9) > np.floor(first + 1e-9)))
 
@@ -60,7 +60,7 @@ def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[
 
 
 def held_by(times: np.ndarray, values: np.ndarray, phase: float, period: float, at: np.ndarray) -> np.ndarray:
-    """A held signal at any times (M,), given the ticks of its loop: what the row amid each tick shows.
+    """Return a held signal at any times (M,), given the ticks of its loop: the middle row of each tick.
 
     Rows beside a tick may be older or newer than they say, or a mixture that a logger interpolated.
     """
@@ -69,13 +69,13 @@ def held_by(times: np.ndarray, values: np.ndarray, phase: float, period: float, 
 
 
 def nearest_row(times: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """The row (M,) nearest to each time (M,); of two as near, the later."""
+    """Return the row (M,) nearest to each time (M,); of two equally near, the later."""
     after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
     return after - (at - times[after - 1] < times[after] - at)
 
 
 def shared_ticks(times: np.ndarray, values: np.ndarray, period: float) -> float | None:
-    """When a loop about as fast as jittering rows ticked, if some of these show one tick's command twice.
+    """Return the ticks of a loop about as fast as jittering rows, if some rows repeat one tick's command.
 
     Args:
         times: of the rows (K,) [s].
@@ -91,7 +91,7 @@ def shared_ticks(times: np.ndarray, values: np.ndarray, period: float) -> float 
     ends = np.stack([times[:-1], times[1:]])
 
     def alike(phase: float) -> tuple[int, int]:
-        """Pairs of rows without a tick in between: that are equal, and that differ."""
+        """Return the pairs of rows without a tick between them: the equal ones and the different ones."""
         then, now = np.floor((ends - phase) / period)
         return int(np.sum(equal & (now == then))), int(np.sum(~equal & (now == then)))
 
@@ -103,13 +103,13 @@ def shared_ticks(times: np.ndarray, values: np.ndarray, period: float) -> float 
 
 
 def _behind_rows(times: np.ndarray, period: float) -> np.ndarray:
-    """Phases right behind those of the rows, ascending [s]: between two of these all are alike."""
+    """Phases just after those of the rows, ascending [s]; all phases between two of them are equivalent."""
     own = period * np.unique(np.round(times / period % 1.0, _DIGITS) % 1.0)
     return own + _BEHIND * np.diff(own, append=own[0] + period)
 
 
 def _best(phases: np.ndarray, cost: Callable[[float], float]) -> float:
-    """The phase of least cost: at first among a few, then all about the best of these."""
+    """Return the phase of least cost: a coarse search, then all phases near the best."""
     stride = max(1, len(phases) // _PHASES)
     best = stride * int(np.argmin([cost(float(phase)) for phase in phases[::stride]]))
     near = phases[np.arange(best - stride, best + stride + 1) % len(phases)]
@@ -117,7 +117,8 @@ def _best(phases: np.ndarray, cost: Callable[[float], float]) -> float:
 
 
 def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[float, np.ndarray] | None:
-    """When in a loop's period a torque behind its command steps, if it stands still between steps.
+    """Return the phase in a loop's period at which a delayed torque steps, if it is constant between
+    steps.
 
     Args:
         times: of the rows (K,) [s].
@@ -135,7 +136,7 @@ def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[fl
     ends = np.stack([times[some], times[some + 1]])
 
     def between(phase: float) -> np.ndarray:
-        """What each column moves between steps, of what it moves in them."""
+        """Return the share of each column's motion that happens between steps."""
         ticks_then, ticks_now = np.floor((ends - phase) / period)
         across = ticks_now > ticks_then
         if across.sum() < _FEW or (~across).sum() < _FEW:
@@ -148,7 +149,7 @@ def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[fl
 
 
 def nearest_between_steps(times: np.ndarray, phase: float, period: float, at: np.ndarray) -> np.ndarray:
-    """The row (M,) nearest to each time (M,) that has no step in between, where there is one."""
+    """Return the row (M,) nearest to each time (M,) without a step in between, if there is one."""
     tick, wanted = (np.floor((t - phase) / period) for t in (times, at))
     after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
     before = after - 1

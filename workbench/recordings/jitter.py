@@ -1,4 +1,4 @@
-"""A clock that jitters: were the rows taken late, or only stamped late?"""
+"""Jittering clocks: rows were sampled late, or only stamped late."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SAME_ROW = 0.9  # rows this far from their place on the uniform clock may have 
 
 
 def settle_jitter(clock: Clock, smooth: Iterable[np.ndarray]) -> Clock:
-    """Decide whether rows were taken when their stamps say, or one period after the other.
+    """Decide whether rows were sampled at their stamps, or one period apart.
 
     A sensor's rows can be predicted from their neighbours, the better the truer the times are.
 
@@ -46,7 +46,8 @@ def settle_jitter(clock: Clock, smooth: Iterable[np.ndarray]) -> Clock:
 
 
 def _surprise(times: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """Mean square of what a cubic through the four rows around each one does not predict, per column (k,).
+    """Return the mean square error of a cubic prediction through the four neighbouring rows, per column
+    (k,).
 
     In units of the noise that such a prediction has, so that noise alone scores the same for any times.
     """

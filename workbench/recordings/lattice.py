@@ -1,4 +1,4 @@
-"""The step of an encoder: the lattice on which all positions lie, if they lie on one."""
+"""The resolution of an encoder: the lattice on which all positions lie, if there is one."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def lattice_step(values: np.ndarray) -> float:
-    """The largest step of which all differences of the values are multiples.
+    """Return the largest step of which all differences of the values are multiples.
 
     Args:
         values: shape (N,). Rounding when written (a few parts in a thousand of a step)

@@ -1,4 +1,4 @@
-"""A log too long to be held: read through, piece by piece, as often as need be."""
+"""A log too long for the memory: read in pieces, as often as needed."""
 
 from __future__ import annotations
 
@@ -58,17 +58,17 @@ class Log:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of its axes."""
+        """Return the names of its axes."""
         return tuple(self.described.contents.axes)
 
     @property
     def source(self) -> Path:
-        """Its TOML file."""
+        """Return its TOML file."""
         return self.described.path
 
     @cached_property
     def clock(self) -> Clock:
-        """The clock of the whole log, checked.
+        """Return the clock of the whole log, checked.
 
         Raises:
             InputError: as `load_recording`, of the time column.
@@ -84,16 +84,16 @@ class Log:
 
     @property
     def duration(self) -> float:
-        """From the first row to the last [s]."""
+        """Return the time from the first row to the last [s]."""
         return float(self.clock.logged[-1])
 
     @property
     def period(self) -> float:
-        """Of its rows [s]."""
+        """Return the period of its rows [s]."""
         return float(self.clock.time[1])
 
     def stretches(self, length: float, lead: float = 0.0) -> Iterator[Stretch]:
-        """The whole log in pieces.
+        """Yield the whole log in pieces.
 
         Args:
             length: of a piece [s]; the last may be half as long again.
@@ -107,13 +107,14 @@ class Log:
         return self.pieces(list(zip(begins, starts, ends, strict=True)))
 
     def windows(self, starts: Sequence[float], length: float) -> Iterator[Stretch]:
-        """Only these pieces, from the times `starts` [s] on, in order."""
+        """Yield only these pieces, which start at the times `starts` [s], in order."""
         first = [self._tick_near(x) for x in starts]
         last = [int(np.searchsorted(self.clock.logged, self.clock.logged[s] + length)) for s in first]
         return self.pieces([(a, a, b) for a, b in zip(first, last, strict=True) if b - a > 1])
 
     def pieces(self, bounds: Sequence[tuple[int, int, int]]) -> Iterator[Stretch]:
-        """Rows from the first to before the last of each triple; what counts begins at the one between.
+        """Yield rows from the first to before the last of each triple; the part that counts begins at the
+        middle.
 
         The rows are those of `clock`; triples ascend, and may overlap. The table is read through once.
         """
@@ -152,7 +153,7 @@ class Log:
         return Stretch(made, start, min(lead, len(made) - 1))
 
     def _tick_near(self, time: float) -> int:
-        """The row at or soon after a time at which the loop ticks, as it does at the first row."""
+        """Return the row at or after a time at which the loop ticks, given that it ticks at the first row."""
         logged, period = self.clock.logged, self.described.controller.period_s
         first = int(np.searchsorted(logged, time - 1e-9))
         if period is None:
@@ -167,7 +168,7 @@ class Log:
 def open_recordings(
     paths: str | Path | Iterable[str | Path], *, whole: bool = False
 ) -> list[Recording | Log]:
-    """Recordings, and as a `Log` what is too long to be held.
+    """Return recordings, as a `Log` if one is too long for the memory.
 
     Args:
         paths: as of `load_recordings`.
@@ -180,7 +181,7 @@ def open_recordings(
 
 
 def open_recording(path: str | Path) -> Recording | Log:
-    """A recording, or a log where it is larger than `HELD` or `HELD_COUPLED`."""
+    """Return a recording, or a log if it is larger than `HELD` or `HELD_COUPLED`."""
     described = describe(Path(path))
     table, ending = described.table, described.table.name.lower()
     small = _SMALL_TEXT if ending.endswith(".csv") else _SMALL
@@ -192,7 +193,7 @@ def open_recording(path: str | Path) -> Recording | Log:
 
 
 def check_moves(log: Log, limits: Mapping[str, np.ndarray]) -> None:
-    """Refuse a log in which a signal of a driven axis never changes, as recordings are.
+    """Refuse a log in which a signal of a driven axis never changes, as for recordings.
 
     `limits`: lowest and highest value of each signal in all of it, (2, n).
 
@@ -203,7 +204,7 @@ def check_moves(log: Log, limits: Mapping[str, np.ndarray]) -> None:
 
 
 def _joined(held: Sequence[dict[str, np.ndarray]], start: int, end: int) -> dict[str, np.ndarray]:
-    """Rows of pieces that follow each other."""
+    """Return the rows of consecutive pieces, joined."""
     out = {column: [] for column in held[0]}
     at = 0
     for piece in held:

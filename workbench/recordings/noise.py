@@ -1,4 +1,4 @@
-"""How noisy each sensor is, from the recording alone and whatever else is in it."""
+"""Sensor noise, estimated from the recording alone."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PHASES = 12  # kinds of rows, where ticks lie between rows
 
 @dataclass(frozen=True)
 class NoiseLevels:
-    """Sensor noise per axis, each array (n,); NaN where it cannot be known.
+    """Sensor noise per axis, each array (n,); NaN where it is unknown.
 
     Attributes:
         position_resolution: step of the encoder [rad or m]; 0 where positions lie on no lattice, NaN
@@ -36,7 +36,7 @@ class NoiseLevels:
 
 
 def noise_levels(recording: Recording) -> NoiseLevels:
-    """Noise of position, velocity and torque, each taken as white.
+    """Return noise of position, velocity and torque, each assumed white.
 
     In short windows everything that motion can explain is projected out, and what stays is noise:
     slow cosines for all signals, and for torque the last commands too (any delay and any linear
@@ -71,7 +71,7 @@ def noise_levels(recording: Recording) -> NoiseLevels:
 
 
 def position_levels(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Step of the encoder and deviation of position noise alone, (n,) each, as in `NoiseLevels`."""
+    """Resolution of the encoder and deviation of position noise alone, (n,) each, as in `NoiseLevels`."""
     n = len(recording.axes)
     valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
     moves = np.ptp(recording.position[valid], axis=0) > 0
@@ -81,14 +81,15 @@ def position_levels(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _resolution(recording: Recording, signal: str, axis: int) -> float:
-    """Step of a signal's lattice, as the rows lie on it or lay on it when they were logged; 0 without one."""
+    """Return the resolution of a signal, from its rows or from those it was logged at; 0 if it has none."""
     if signal in recording.steps:
         return float(recording.steps[signal][axis])
     return lattice_step(recording.signals[signal][recording.valid, axis])
 
 
 def _phase(recording: Recording) -> np.ndarray | None:
-    """Where each row (N,) lies between two ticks of the loop, as a number; None where all rows are at ticks.
+    """Return the phase of each row (N,) between two ticks of the loop, as a number; None if all rows are
+    at ticks.
 
     Where ticks lie between rows, a row's torque answers now this command and now the one before.
     """
@@ -117,7 +118,8 @@ def _velocity_noise(
 def _seen(
     v: np.ndarray, valid: np.ndarray, every: np.ndarray, axis: int, period: float, plain: float, driven: float
 ) -> bool:
-    """Whether noise of speed that goes round the loop would be seen at all beside the command's integral.
+    """Return whether speed noise that passes through the loop would be visible beside the command's
+    integral.
 
     Above the slow cosines a signal can be told from its own neighbours, and so noise from the command that
     answers it. Noise is added, to the speed and by the loop's gain to the command: it has to come out.

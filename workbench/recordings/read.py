@@ -1,4 +1,4 @@
-"""Reading a recording: TOML and table in, one checked `Recording` in SI on a uniform clock out."""
+"""Reading a recording: TOML and table in, one checked `Recording` in SI units on a uniform clock out."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def load_recording(path: str | Path) -> Recording:
 
 @dataclass(frozen=True)
 class Described:
-    """What a recording's TOML file says, checked: its contents, SI units of its axes, its loop."""
+    """The checked content of a recording's TOML file: SI units of its axes, and its loop."""
 
     contents: Description
     path: Path
@@ -54,12 +54,12 @@ class Described:
 
     @property
     def table(self) -> Path:
-        """The table's file."""
+        """Return the table's file."""
         return self.path.parent / self.contents.table
 
     @property
     def columns(self) -> list[str]:
-        """The table's columns that are named."""
+        """Return the named columns of the table."""
         return [c.column for columns in self.contents.columns.values() for c in columns]
 
 
@@ -74,7 +74,7 @@ def describe(path: Path) -> Described:
 
 
 def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = False) -> Recording:
-    """A recording of a table's columns.
+    """Return a recording from a table's columns.
 
     Args:
         described: what they are.
@@ -146,7 +146,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
 
 
 def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.ndarray]:
-    """Steps (n,) of what sensors read, 0 where a signal has none or never changes."""
+    """Return the resolution (n,) of sensors, 0 where a signal has none or never changes."""
     return {
         name: np.array([lattice_step(x) for x in signals[name][good].T])
         for name in ("position", "velocity", "torque_measured")
@@ -168,7 +168,7 @@ def load_recordings(paths: str | Path | Iterable[str | Path]) -> Recordings:
 
 
 def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
-    """The files that `load_recordings` would read, each once.
+    """Return the files that `load_recordings` would read, each once.
 
     Raises:
         InputError: a pattern that finds nothing.
@@ -188,7 +188,7 @@ def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
 
 
 def measured_rows(d: Description, data: dict[str, np.ndarray], table: Path) -> np.ndarray | None:
-    """Rows that were measured, shape (N,) bool; None where the table does not say."""
+    """Return which rows were measured, shape (N,) bool; None if the table does not say."""
     if "valid" not in d.columns:
         return None
     column = d.columns["valid"][0].column

@@ -1,4 +1,4 @@
-"""Signals onto the uniform clock: moved along their slope, or held where the loop held them."""
+"""Signals resampled to the uniform clock: interpolated, or held where the loop held them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _AROUND = 5  # rows that a slope is taken from
 def onto_clock(
     name: str, rows: np.ndarray, measured: np.ndarray, clock: Clock, loop_s: float | None = None
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """One signal on the clock, and which of its rows are guessed.
+    """Return one signal on the clock, and which of its rows are guessed.
 
     Args:
         name: the signal's name.
@@ -49,7 +49,7 @@ def onto_clock(
 
 
 def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
-    """Which of the clock's rows lie beside a measured row, shape (M,) bool."""
+    """Return which of the clock's rows lie beside a measured row, shape (M,) bool."""
     good = measured[clock.kept]
     if clock.row is not None:
         out = np.zeros(len(clock.time), bool)
@@ -65,7 +65,8 @@ def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
 def loop_keeps_time(
     signals: Mapping[str, np.ndarray], measured: np.ndarray, clock: Clock, loop_s: float | None
 ) -> bool:
-    """Whether rows of a clock that jitters, some before a tick and some behind it, show a loop that does not.
+    """Return whether rows of a jittering clock, some before and some after a tick, show a loop that does
+    not jitter.
 
     Then rows were taken when their stamps say, and the loop read its sensors at other times.
 
@@ -90,7 +91,7 @@ def loop_keeps_time(
 
 
 def looks_held(signal: np.ndarray) -> bool:
-    """Whether a signal (N, k) moves, but stands still from row to row for a good part of the time."""
+    """Return whether a signal (N, k) moves but stays equal from row to row for a large part of the time."""
     steps = np.diff(signal, axis=0)
     moving = np.ptp(signal, axis=0) > 1e-9 * np.abs(signal).max(initial=0.0)
     return bool(moving.any()) and float(np.mean(steps[:, moving] == 0, axis=0).min()) > 0.3
@@ -99,7 +100,7 @@ def looks_held(signal: np.ndarray) -> bool:
 def _resample(
     name: str, times: np.ndarray, values: np.ndarray, at: np.ndarray, loop_s: float | None
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """A signal at other times (M,), and at which of these no row of its own was there to show it."""
+    """Return a signal at other times (M,), and at which of these it has no row of its own nearby."""
     if name in _HELD and looks_held(values):
         loop = ticks(times, values, loop_s)
         if loop is not None:
@@ -124,7 +125,7 @@ def _resample(
 
 
 def _moved(times: np.ndarray, values: np.ndarray, at: np.ndarray, most: float) -> np.ndarray:
-    """Values at other times: of the nearest row where it is at most so far off, else between two rows.
+    """Return values at other times: of the nearest row if it is close enough, otherwise between two rows.
 
     Interpolation averages two rows and hides some of their noise; a row moved along its slope keeps its own.
     """
@@ -142,7 +143,8 @@ def _moved(times: np.ndarray, values: np.ndarray, at: np.ndarray, most: float) -
 def _by_ticks(
     times: np.ndarray, values: np.ndarray, phase: float, period: float, at: np.ndarray, most: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What a loop held at other times (M,), where rows belong to its ticks; and which ticks no row shows.
+    """Return what a loop held at other times (M,), if rows belong to its ticks; and which ticks no row
+    shows.
 
     These are made of the ticks beside them: by one that is at most so many off, or between two.
     """
@@ -152,14 +154,14 @@ def _by_ticks(
 
 
 def _behind_ticks(times: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Times of the clock, behind ticks that are at them as far as rows that jitter tell its beginning [s]."""
+    """Return times of the clock just after ticks, as far as jittering rows show when a tick begins [s]."""
     row = float(np.median(np.diff(at)))
     late = float(np.std(times / row - np.round(times / row))) * row
     return at + _UNSURE * late / np.sqrt(len(times))
 
 
 def _slope(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Of the straight line through each row and its neighbours, shape (K, k)."""
+    """Return the slope of the straight line through each row and its neighbours, shape (K, k)."""
     t = sliding_window_view(np.pad(times, _AROUND // 2, mode="edge"), _AROUND)
     y = sliding_window_view(np.pad(values, ((_AROUND // 2,) * 2, (0, 0)), mode="edge"), _AROUND, axis=0)
     t = t - t.mean(axis=1, keepdims=True)

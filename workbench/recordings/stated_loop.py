@@ -10,7 +10,7 @@ from .description import ControllerTable, Description
 
 
 def stated_loop(d: Description, path: Path) -> Controller:
-    """The controller, unknown where the file states none.
+    """Return the stated controller; unknown if the file states none.
 
     Raises:
         InputError: gains that its kind needs are missing, or are not one per axis.

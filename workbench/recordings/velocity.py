@@ -1,4 +1,4 @@
-"""Velocity from position, without delay, as smooth as the encoder's steps demand and no smoother."""
+"""Velocity from position, without delay, filtered only as much as the encoder's resolution requires."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _ORDER = 3
 
 
 def derive_velocity(position: np.ndarray, period: float) -> np.ndarray:
-    """Velocity of each axis by a zero-phase Savitzky-Golay filter.
+    """Return the velocity of each axis by a zero-phase Savitzky-Golay filter.
 
     A cubic is fitted to a window around each row. The window is as wide as the motion's bandwidth
     allows: the highest frequency at which the position's spectrum stands above its noise floor.
@@ -39,7 +39,7 @@ def _derive(position: np.ndarray, period: float) -> np.ndarray:
 
 
 def _bandwidth(position: np.ndarray, period: float) -> float:
-    """The highest frequency with motion above the noise floor [Hz]."""
+    """Return the highest frequency with motion above the noise floor [Hz]."""
     # the difference whitens a motion that falls steeply with frequency, so that the window does not leak
     segment = min(len(position) - 1, max(64, round(1.0 / period)))
     f, power = scipy.signal.welch(np.diff(position), 1 / period, nperseg=segment)

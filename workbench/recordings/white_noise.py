@@ -1,4 +1,4 @@
-"""White noise on a signal: what neither slow motion nor a command explains, in short windows."""
+"""White noise of a signal: the part in short windows that neither slow motion nor a command explains."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def white_noise(
     guessed: np.ndarray | None = None,
     bands: Sequence[float] = BANDS,
 ) -> float:
-    """Standard deviation of the white noise on one signal.
+    """Return the standard deviation of the white noise on one signal.
 
     Args:
         signal: shape (N,).
@@ -81,7 +81,7 @@ def white_noise(
 
 
 def _each_by_itself(chosen: np.ndarray) -> np.ndarray:
-    """Columns (W, width, most) that are one in one of the chosen rows (W, width) each, and take it out."""
+    """Return columns (W, width, most) that select, and thereby remove, one chosen row (W, width) each."""
     most = int(chosen.sum(axis=1).max(initial=0))
     row = np.argsort(~chosen, axis=1, kind="stable")[:, None, :most]
     columns = np.zeros((*chosen.shape, most))
@@ -90,7 +90,9 @@ def _each_by_itself(chosen: np.ndarray) -> np.ndarray:
 
 
 def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:
-    """What of windows (W, width) lies outside the span of `slow` cosines and commands; its freedom (W,)."""
+    """Return the part of windows (W, width) outside the span of `slow` cosines and commands, and its
+    freedom (W,).
+    """
     width = windows.shape[1]
     basis = _slow_basis(width, slow)
     rest = windows - (windows @ basis) @ basis.T
@@ -109,13 +111,13 @@ def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tup
 
 
 def _usual(rest: np.ndarray, freedom: np.ndarray) -> float:
-    """Noise that leaves so much with so much freedom, median over windows."""
+    """Return the noise that leaves this much with this freedom, median over windows."""
     median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
     return float(np.sqrt(np.median((rest**2).sum(axis=1) / median)))
 
 
 def _of_quietest(rest: np.ndarray, freedom: np.ndarray, slow: int, kind: np.ndarray) -> float:
-    """The same of the kind of rows that has least, (width,) numbers of kinds, alike in all windows.
+    """Return the same for the kind of rows with the least noise; (width,) kinds, equal in all windows.
 
     Where a row's torque answers a tick that no row shows, the noise that sensors had at that tick is in it,
     by the loop's gains. The kind whose ticks are logged shows the torque's own.
@@ -132,7 +134,7 @@ def _of_quietest(rest: np.ndarray, freedom: np.ndarray, slow: int, kind: np.ndar
 
 @lru_cache(maxsize=32)
 def _slow_basis(width: int, count: int) -> np.ndarray:
-    """Orthonormal cosines, and the odd powers that they lack at a window's ends, (width, count + 2)."""
+    """Return orthonormal cosines and the odd powers missing at a window's ends, (width, count + 2)."""
     place = (np.arange(width) + 0.5) / width
     cosines = np.cos(np.pi * place[:, None] * np.arange(count))
     ends = np.column_stack([place - 0.5, (place - 0.5) ** 3])

@@ -1,4 +1,4 @@
-"""Windows of long logs for what cannot look at all: spread over the log, chosen for what they excite."""
+"""Windows of long logs: spread over the log, and chosen for what they excite."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SMOOTH_S = 0.01  # over which a speed is averaged before its sign is looked at
 
 @dataclass(frozen=True)
 class Excerpts:
-    """Recordings to fit and to judge by, and which share of all rows they are.
+    """Recordings to fit and to test, and the share of all rows that they contain.
 
     `notes` say what stands for which log.
     """
@@ -39,7 +39,7 @@ class Excerpts:
 def excerpts(
     training: Sequence[Recording | Log], held_out: Sequence[Recording | Log] = (), at_once: float = AT_ONCE
 ) -> Excerpts:
-    """Recordings as they are, and windows of logs in place of these.
+    """Return recordings as they are, and windows in place of long logs.
 
     Args:
         training, held_out: recordings and logs.
@@ -80,7 +80,7 @@ def _shortened(sources: Sequence[Recording | Log], at_once: float, notes: list[s
 
 
 def windows_of(log: Log, total: float) -> list[Recording]:
-    """Windows of a log, `total` seconds in all (and no fewer than four of two seconds), in order.
+    """Return windows of a log in order, `total` seconds together (at least four of two seconds).
 
     The log is divided into as many spans as there are windows, and each gives the one that adds most to what
     those before it excite: motion, speed, torque, and reversals of every axis.
@@ -103,7 +103,7 @@ def windows_of(log: Log, total: float) -> list[Recording]:
 
 
 def _excited(stretch: Stretch) -> np.ndarray | None:
-    """What a window excites, positive numbers an axis and kind; None where too little was measured."""
+    """Return what a window excites: positive numbers per axis and kind; None if too little was measured."""
     r = stretch.recording
     if np.mean(r.valid) < _WHOLE:
         return None

@@ -1,4 +1,4 @@
-"""Encoders that wrap: a position that jumps from one end of its range to the other, made whole again."""
+"""Encoders that wrap: positions that jump between the ends of their range, made continuous."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ RAW_RANGES = (
 
 @dataclass(frozen=True)
 class Wrap:
-    """How a position wraps: by how much, and the rows (K,) after its jumps."""
+    """How a position wraps: its range, and the rows (K,) after its jumps."""
 
     range: float
     rows: np.ndarray
 
 
 def wrap_of(position: np.ndarray, ranges: Sequence[float] = RANGES) -> Wrap | None:
-    """The wrap of an encoder, None where a position has none.
+    """Return the wrap of an encoder; None if the position has none.
 
     Args:
         position: shape (N,), finite.
@@ -66,7 +66,7 @@ def wrap_of(position: np.ndarray, ranges: Sequence[float] = RANGES) -> Wrap | No
 
 
 def unwrapped(position: np.ndarray, wrap: Wrap) -> np.ndarray:
-    """A position (N,) with its jumps undone; it starts where it started."""
+    """Return a position (N,) with its jumps undone; its first value is unchanged."""
     turns = np.zeros(len(position))
     turns[wrap.rows] = -np.sign(position[wrap.rows] - position[wrap.rows - 1])
     return position + wrap.range * np.cumsum(turns)
@@ -80,7 +80,8 @@ def unwrap(
     *,
     referred: bool = True,
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
-    """Signals with every position made whole, moved by whole ranges to its reference; and what was done.
+    """Return signals with every position continuous and moved by whole ranges to its reference, and notes
+    on it.
 
     Args:
         signals: name -> (N, n), SI.
@@ -111,13 +112,13 @@ def unwrap(
 
 
 def _step_beside(steps: np.ndarray, jumps: np.ndarray, k: int) -> float:
-    """The step that the motion itself made at a jump: the mean of the nearest others."""
+    """Return the motion's own step at a jump: the mean of the nearest other steps."""
     around = [j for j in (k - 2, k - 1, k + 1, k + 2) if 0 <= j < len(steps) and not jumps[j]]
     return float(np.mean(steps[around])) if around else 0.0
 
 
 def _whole_ranges(error: np.ndarray, size: float, near: float) -> float:
-    """Whole ranges between a position and the reference that it follows, nil where it follows none."""
+    """Return whole ranges between a position and the reference it follows; zero if it follows none."""
     if not np.isfinite(error).all() or not len(error):
         return 0.0
     shift = size * round(float(np.median(error)) / size)

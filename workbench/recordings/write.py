@@ -1,4 +1,4 @@
-"""Writing a recording: TOML and table, both whole or neither, nothing overwritten unasked."""
+"""Writing a recording: TOML and table, both or neither, and nothing overwritten unasked."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def save_recording(
 
 
 def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:
-    """The ``[columns]`` table, and the CSV's bytes."""
+    """Return the ``[columns]`` table, and the bytes of the CSV."""
     columns: dict[str, Any] = {"time": "t"}
     data = {"t": np.round(recording.time, 12)}
     for signal in AXIS_SIGNALS:

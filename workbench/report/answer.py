@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from workbench.core import Diagnosis, EffectKey, Finding, Improvement
+from workbench.core import Diagnosis, Finding, Improvement
 
 from .numbers import interval, number, percent, plain
 from .wording import (
@@ -16,6 +16,7 @@ from .wording import (
     one_of_a_kind,
     outlier_phrase,
     place,
+    sized_in_list,
     sized_phrase,
     times_noise,
 )
@@ -65,7 +66,8 @@ def improvement_sentence(result: Improvement) -> str:
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds the closest effects)."
     kept = result.kept
-    sized = [sized_phrase(s.key, s.parameters) if len(kept) == 1 else effect_phrase(s.key) for s in kept]
+    phrase = sized_phrase if len(kept) == 1 else sized_in_list
+    sized = [phrase(s.key, s.parameters) for s in kept]
     added = any_of(sized, "and") if len(kept) < 4 else ""
     added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
@@ -138,15 +140,10 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
     doubted = any(map(_or, findings))
     keys = [f.key for f in findings]
     first = [f for f in findings if f.key in one_of_a_kind(keys)]
-    each = [f"{effect_phrase(f.key)}{harmonics(f.key, keys)}{_or(f)}" for f in first]
-    names = any_of(each if doubted else _phrases(keys), "and")
+    phrase = sized_in_list if len(first) == len(keys) <= _FEW else lambda key, _: effect_phrase(key)
+    each = [f"{phrase(f.key, f.parameters)}{harmonics(f.key, keys)}{_or(f)}" for f in first]
+    names = any_of(each if doubted or len(keys) <= _FEW else effect_phrases(keys), "and")
     return f"{capital(_count(len(findings)))} effects are missing{too}: {names}."
-
-
-def _phrases(keys: Sequence[EffectKey]) -> list[str]:
-    """One phrase each; of many, one an effect with all its places."""
-    one_by_one = [f"{effect_phrase(k)}{harmonics(k, keys)}" for k in one_of_a_kind(keys)]
-    return one_by_one if len(keys) <= _FEW else effect_phrases(keys)
 
 
 def _be(findings: Sequence[Finding]) -> str:

@@ -13,7 +13,7 @@ from .pack import partner
 
 
 def scores(before: Comparison | None, after: Comparison | None) -> dict[str, Any]:
-    """A row a recording and axis: what is left of each signal, beside the noise, and the columns' units."""
+    """A row per recording and axis: what is left of each signal, beside the noise, and the columns' units."""
     entries = before.recordings if before else ()
     tables = [_score_table(before, after, name) for name in ("position", "torque")] if before else []
     rows = []

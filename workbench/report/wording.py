@@ -56,15 +56,21 @@ def effect_phrase(key: EffectKey) -> str:
 
 
 def sized_phrase(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
-    """Effect, place, and size where it has one parameter.
-
-    ``"a payload of 0.600 ± 0.003 kg (95 %) at site 'tool'"``; of most effects ``"Coulomb friction on the knee
-    drive, 0.254 ± 0.003 N m (95 %)"``.
+    """Return effect, place and a single size: ``"Coulomb friction on the knee drive, 0.254 ± 0.003 N m
+    (95 %)"``.
     """
     size = single_value(parameters)
     if size and key.effect in _THINGS:
         return f"{_THINGS[key.effect]} of {size.removeprefix(', ')} {place(key)}"
     return f"{effect_phrase(key)}{size}"
+
+
+def sized_in_list(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
+    """Return `sized_phrase` for a list: ``"Coulomb friction on the knee drive (0.254 ± 0.003 N m)"``."""
+    size = single_value(parameters).removeprefix(", ").removesuffix(" (95 %)")
+    if size and key.effect in _THINGS:
+        return f"{_THINGS[key.effect]} of {size} {place(key)}"
+    return f"{effect_phrase(key)} ({size})" if size else effect_phrase(key)
 
 
 def any_of(phrases: Sequence[str], word: str = "or") -> str:

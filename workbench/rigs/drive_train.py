@@ -22,7 +22,7 @@ class DriveTrain:
     """The drives of a robot (n of them).
 
     Args:
-        sides: one a drive.
+        sides: one per drive.
         step: by which they move on [s].
 
     Attributes:

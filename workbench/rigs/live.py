@@ -35,7 +35,7 @@ class Plant(Protocol):
     axes: int
 
     def look(self) -> list[Look]:
-        """What encoders and current sensors show now, one an axis."""
+        """What encoders and current sensors show now, one per axis."""
         ...
 
     def command(self, torque: Sequence[float]) -> None:

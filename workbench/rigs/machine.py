@@ -77,7 +77,7 @@ def _ones() -> list[float]:
 
 @dataclass
 class Machine:
-    """What hidden effects change; each list holds one value a motor, in the order of `AXES`.
+    """What hidden effects change; each list holds one value per motor, in the order of `AXES`.
 
     The torque chain reads, in this order: `delay`, `limit` and `speed_limit`, `lag`, (torque sensor),
     `reshaped`, `gain`, `derating`, `bias`, `disturbances`, `frictions` and `passive`, `rotor`, `couplings`,

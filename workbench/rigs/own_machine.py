@@ -36,7 +36,7 @@ _BETWEEN_DRIVE_AND_LINK = ("backlash", "joint_compliance")
 
 @dataclass
 class OwnMachine:
-    """A mechanism with n drives; lists hold one value a drive, in the order of `axes`.
+    """A mechanism with n drives; lists hold one value per drive, in the order of `axes`.
 
     Attributes:
         name: of the machine, for messages and recordings.

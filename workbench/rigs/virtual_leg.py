@@ -28,7 +28,7 @@ class Sensors:
     """What stands between the leg and its log.
 
     Attributes:
-        encoder: position is rounded to this [rad]; 0 for none. Default: 14 bits a turn.
+        encoder: position is rounded to this [rad]; 0 for none. Default: 14 bits per turn.
         velocity_noise: standard deviation of white noise a row [rad/s].
         torque_noise: the same for torque [N m].
     """

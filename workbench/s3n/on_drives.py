@@ -98,7 +98,7 @@ def _folder() -> TemporaryDirectory[str]:
 
 @cache
 def _rotors(axes: tuple[str, ...], units: tuple[str, ...]) -> Path:
-    """An MJCF of one body a drive and nothing else."""
+    """An MJCF of one body per drive and nothing else."""
     bodies = "".join(
         f'<body><joint name="{axis}" type="{"hinge" if unit == "rad" else "slide"}" axis="0 0 1"/>'
         f'<inertial pos="0 0 0" mass="{_GRAIN}" diaginertia="{_GRAIN} {_GRAIN} {_GRAIN}"/></body>'

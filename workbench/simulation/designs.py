@@ -70,7 +70,7 @@ def limits_of(model: Model, speed: Sequence[float] | None) -> list[Limit]:
     """Limits on joint positions, on the drives' speeds if any are given, and on their torques.
 
     Raises:
-        InputError: a number of speeds that is neither one nor one an axis, or one that is not positive.
+        InputError: a number of speeds that is neither one nor one per axis, or one that is not positive.
     """
     units = axis_units(model)
     found = [

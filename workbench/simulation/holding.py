@@ -57,4 +57,4 @@ def check_held(model: Model, design: Design, limits: Sequence[Limit]) -> None:
     for limit, values in zip(ranges, position.T, strict=True):
         starts_inside = limit.low < values[0] < limit.high
         if starts_inside and not bool(np.all((limit.low <= values) & (values <= limit.high))):
-            raise without_loop(model, f"holds it: with nothing played it leaves the {limit}")
+            raise without_loop(model, f"holds it: with no excitation it leaves the {limit}")

@@ -64,7 +64,7 @@ class PosturePlant:
 def run_posture(
     plant: PosturePlant, recording: Recording, noise: Sequence[SensorNoise | None], late: float = 0.0
 ) -> list[Recording]:
-    """Runs of one recording, one a draw of noise; None runs without.
+    """Runs of one recording, one per draw of noise; None runs without.
 
     Args:
         plant: the mechanism.

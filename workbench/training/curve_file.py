@@ -36,7 +36,7 @@ def draw(file: Path, rows: Sequence[Mapping[str, float]]) -> None:
     for plot, names, label in zip(
         plots,
         (["reward"], ["episode_s"], terms),
-        ("reward a second", "episode [s]", "terms a second"),
+        ("reward per second", "episode [s]", "terms per second"),
         strict=True,
     ):
         for k, name in enumerate(names):

@@ -41,7 +41,7 @@ class Draws:
         return self.xp.broadcast_to(self._known[key], shape)
 
     def uniform(self, low: Sequence[float], high: Sequence[float], shape: tuple[int, ...]) -> Array:
-        """Between `low` and `high`, one pair a column, or one for all."""
+        """Between `low` and `high`, one pair per column, or one for all."""
         if self.xp is np:
             unit = self._generator.random(shape)
         else:

@@ -31,7 +31,7 @@ class Step:
         reward: (W,).
         ended: episodes that ended, (W,) bool; their next observation is of a new episode.
         timed_out: those that ended by time alone, (W,) bool.
-        terms: mean of each weighted term of the reward a second, by name.
+        terms: mean of each weighted term of the reward per second, by name.
     """
 
     observation: Array

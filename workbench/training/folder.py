@@ -45,7 +45,7 @@ def open_folder(
                     f"the run has another {key}",
                     file=file,
                     column=key,
-                    remedy="resume with the value that it began with",
+                    remedy="resume with the value of the first run",
                 )
         old, new = before.get("settings", {}), config["settings"]
         for key in ("worlds", "seed", "learning", "randomisation"):

@@ -37,10 +37,10 @@ class Progress:
 
     Attributes:
         iteration, iterations: done, and in all.
-        reward: mean reward a second over the iteration.
+        reward: mean reward per second over the iteration.
         episode_reward: mean over episodes that ended in it, or the last that did.
         episode_s: their mean length [s].
-        steps_per_s: policy steps of all worlds a second.
+        steps_per_s: policy steps of all worlds per second.
         left_s: time left [s].
     """
 

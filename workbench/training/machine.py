@@ -37,7 +37,7 @@ _SOLVER = 10, 20  # iterations of the solver and of its line search
 class Machine:
     """A machine ready to be simulated many times over.
 
-    Arrays over the n joints have one block a leg, in the order of `LEGS`; q_p = transmission q_s.
+    Arrays over the n joints have one block per leg, in the order of `LEGS`; q_p = transmission q_s.
 
     Attributes:
         kind: ``leg`` or ``quadruped``.

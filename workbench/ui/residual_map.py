@@ -79,7 +79,7 @@ def _part(entry: RecordingError, axis: str, name: str, against: str) -> tuple[np
 
 
 class MapView:
-    """The table as a picture: one row an axis and signal, darker where more is left."""
+    """The table as a picture: one row per axis and signal, darker where more is left."""
 
     def __init__(self) -> None:
         self.source = ColumnDataSource({k: [] for k in _COLUMNS})
@@ -103,7 +103,7 @@ class MapView:
         self.found: ResidualMap | None = None
 
     def show(self, found: ResidualMap, against: str, units: Sequence[str]) -> None:
-        """Draw a table; `units`: of the quantity, one a row."""
+        """Draw a table; `units`: of the quantity, one per row."""
         self.found = found
         names = [f"{plain(a)} {s}" for a, s in found.rows]
         same = against == "time" or (len(set(units)) == 1 and len(found.rows) > 0)

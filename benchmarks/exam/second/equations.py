@@ -17,7 +17,7 @@ from numba import njit
 
 # The state: q 0-3, p 4-7, Dahl z 8-11, currents 12-13, filtered speeds 14-15.
 STATES = 16
-# Rows of the table of drives, a column a motor.
+# Rows of the table of drives, a column per motor.
 ROTOR, DAMPING, LIMIT, STALL, NO_LOAD, LAG, GAIN, BIAS, STIFFNESS, SERIES, GAP, FILTER = range(12)
 # Places: hip drive, knee drive, knee pin.
 HIP, KNEE, PIN = range(3)

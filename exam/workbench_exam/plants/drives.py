@@ -1,4 +1,4 @@
-"""What sits between a command and the joints, as arrays that compiled code takes: one number a drive.
+"""What sits between a command and the joints, as arrays that compiled code takes: one number per drive.
 
 A drive turns by `couple @ q` (through a belt or a differential; the identity where each motor has its own
 joint). Behind a soft coupling the rotor is a body of its own.

@@ -34,7 +34,9 @@ def test_weight_contradicts_a_guessed_unit(
 ) -> None:
     model = load_model(str(write_leg(tmp_path)))
     wrong = guessed("position", "velocity", "torque", motion=motion, torque=torque)
-    with pytest.raises(InputError, match=f"possible unit error: `import` guessed that of {kind}.*{named}"):
+    with pytest.raises(
+        InputError, match=f"possible unit error: `import` guessed the unit of {kind}.*{named}"
+    ):
         refuse_unit(model, [wrong])
     refuse_unit(model, [replace(wrong, guessed_units=())])  # a unit that somebody stated is believed
     refuse_unit(model, [guessed("position", "velocity", "torque")])  # a right guess is no news

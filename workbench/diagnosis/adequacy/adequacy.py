@@ -1,4 +1,4 @@
-"""Whether an effect is certain although something else is unknown: its law held against free functions.
+"""Whether an effect is certain although something else is unknown: its law is tested against free functions.
 
 A law is adequate where it explains nearly as much of its axis's residual as a free smooth function of the
 law's own quantities does, and as the law with a size that varies freely with any other quantity (varying
@@ -35,7 +35,9 @@ _QUANTITIES = ("position", "speed", "acceleration", "load")
 
 @dataclass(frozen=True, eq=False)
 class _Axis:
-    """One coordinate: what laws do there (M, E), the residual of all (M,), quantities, rows' recordings."""
+    """One coordinate: torques of laws (M, E), residual of all of them (M,), quantities, and the recording of
+    each row.
+    """
 
     laws: np.ndarray
     rest: np.ndarray
@@ -45,7 +47,8 @@ class _Axis:
 
 
 def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
-    """The adequacy of each effect that is identifiable enough: as a law of its axis, or of a mass on several.
+    """Return the adequacy of each sufficiently identifiable effect, as a law of one axis or of a mass on
+    several.
 
     Args:
         found: with all effects that were selected, along the measured motion.
@@ -85,7 +88,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
 
 
 def _of_links(linearisation: Linearisation) -> list[SensitivityColumn]:
-    """What errors of all links' own masses would add to the torque."""
+    """Return what errors of the masses of all links would add to the torque."""
     model, motions = linearisation.model, needing(linearisation)
     keys = [k for k in places(model) if k.axis and kinds.is_additive(effect_named(k.effect))]
     return [
@@ -104,7 +107,7 @@ def _axis(
     here: Sequence[int],
     place: Placement,
 ) -> _Axis:
-    """One coordinate of all recordings, on the rows that count there."""
+    """Return one coordinate of all recordings, on the rows that count there."""
     laws, rest, own, others, which = [], [], [], [], []
     motions = needing(linearisation)
     for i, (motion, loop) in enumerate(zip(motions, linearisation.loops, strict=True)):
@@ -143,7 +146,8 @@ def _together(
     applied: Sequence[AppliedEffect],
     alone: Mapping[EffectKey, Adequacy],
 ) -> dict[EffectKey, Adequacy]:
-    """The adequacy of laws shared by joints of one design, against free functions on all of them at once.
+    """Return the adequacy of laws shared by joints of one design, against free functions on all of them at
+    once.
 
     An unexplained residual on one axis does not weaken a law that has one size on all.
     """
@@ -180,7 +184,9 @@ def _agrees(
     values: Mapping[EffectKey, Mapping[str, Estimate]],
     alone: Mapping[EffectKey, Adequacy],
 ) -> bool:
-    """Whether an effect has the same size as on joints of one design; else it may absorb another cause."""
+    """Return whether an effect has the same size as on joints of one design; otherwise it may absorb another
+    cause.
+    """
     others = [values[k] for k in alike if k.effect == key.effect and k != key]
     for name, own in values[key].items():
         there = [o[name] for o in others]
@@ -193,14 +199,14 @@ def _agrees(
 
 
 def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:
-    """Of all effects at one coordinate; those of the same quantities are parts of one law."""
+    """Return the adequacy of all effects at one coordinate; effects of the same quantities form one law."""
     depends = [kinds.depends_on(effect_named(k.effect)) for k in keys]
     found = {own: _of_law(axis, depends, own) for own in dict.fromkeys(d for d in depends if d)}
     return {k: found[own] for k, own in zip(keys, depends, strict=True) if own}
 
 
 def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...]) -> Adequacy:
-    """Of the law of some quantities, whose parts are columns of the laws of what each `depends` on."""
+    """The adequacy of the law of some quantities, whose parts are columns of the laws they depend on."""
     alike = np.array([d == own for d in depends])
     related = np.array([bool(set(d) & set(own)) for d in depends])
     law = axis.laws[:, alike].sum(axis=1)

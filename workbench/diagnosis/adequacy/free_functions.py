@@ -19,7 +19,7 @@ InPlace = tuple[Free, np.ndarray]  # the same, and the part of the laws that it 
 
 @dataclass(frozen=True)
 class Adequacy:
-    """The adequacy of an effect against free functions.
+    """The result of testing an effect against free functions.
 
     Attributes:
         share: of what a free function of the law's own quantities, or the law with a size that varies freely,
@@ -35,14 +35,14 @@ class Adequacy:
 
     @property
     def is_adequate(self) -> bool:
-        """Whether the effect is certain, whatever else is missing."""
+        """Return whether the effect is certain, whatever else is missing."""
         return self.share >= POLICY.explained and self.size > 0.0
 
 
 def against_free_functions(
     laws: np.ndarray, rest: np.ndarray, free: Sequence[InPlace], beside: Sequence[Free], recording: np.ndarray
 ) -> Adequacy:
-    """The adequacy of the first of some laws, against free functions in its place and beside it."""
+    """Return the adequacy of the first of some laws, against free functions in its place and beside it."""
     sizes = [_size(laws, rest, x) for x in beside]
     each = [recording == i for i in np.unique(recording)]
     return Adequacy(
@@ -56,7 +56,7 @@ def against_free_functions(
 
 
 def _share(free: Free, law: np.ndarray, rest: np.ndarray) -> float:
-    """The share that laws explain over the share of a free function, on blocks that were left out."""
+    """The share that laws explain divided by the share that a free function explains, on left-out blocks."""
     residual = law + rest
     whole = float(residual @ residual)
     most = 1.0 - _left_out(free[0], residual, free[1], 0).left / whole
@@ -64,7 +64,7 @@ def _share(free: Free, law: np.ndarray, rest: np.ndarray) -> float:
 
 
 def _size(laws: np.ndarray, rest: np.ndarray, beside: Free | None = None) -> tuple[float, float]:
-    """Size of the first law in units of what was fitted, and its deviation, with a free function beside."""
+    """The size of the first law relative to its fit, and its deviation, with a free function beside it."""
     count, free, penalty = laws.shape[1], np.zeros((len(rest), 0)), np.zeros((0, 0))
     if beside is not None:
         free, penalty = beside
@@ -77,7 +77,7 @@ def _size(laws: np.ndarray, rest: np.ndarray, beside: Free | None = None) -> tup
 
 
 def _left_out(basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int) -> LeftOut:
-    """The fit of columns with each block left out in turn; those from the `first` on are penalised."""
+    """Return the fit of columns with each block left out in turn; columns from `first` on are penalised."""
     block = np.arange(len(torque)) * _BLOCKS // len(torque)
     blocks = [normal(basis[block == b], torque[block == b]) for b in range(_BLOCKS)]
     own = np.diag(total(blocks).gram)

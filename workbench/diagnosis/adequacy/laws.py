@@ -1,4 +1,4 @@
-"""What laws do along the measured motion, and what is left of it, on the rows that count."""
+"""Torques of laws along the measured motion, and the residual they leave, on the rows that count."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..screening.torque_regression import Regression
 
 @dataclass(frozen=True, eq=False)
 class Laws:
-    """M rows of all recordings, in units of the noise.
+    """Torques of laws on M rows of all recordings, in units of the noise.
 
     Attributes:
         keys: of the laws, one for each column.
@@ -39,13 +39,14 @@ class Laws:
 
     @property
     def above_noise(self) -> list[int]:
-        """Numbers of the axes whose rest noise does not explain."""
+        """Return indices of the axes whose residual is more than noise."""
         above = np.mean(self.rest**2, axis=0) > POLICY.at_noise * self.noise
         return np.flatnonzero((self.noise > 0.0) & above).tolist()
 
 
 def laws_of(found: Fit, regression: Regression, data: Data) -> Laws:
-    """The laws that were found, and all basic ones beside them, as what is unknown may have hidden any.
+    """Return the laws that were found and all basic ones beside them, because an unknown cause may hide any
+    of those.
 
     Args:
         found: with all effects that were selected, along the measured motion.

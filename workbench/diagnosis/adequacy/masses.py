@@ -22,7 +22,8 @@ from .free_functions import Adequacy, Free, against_free_functions
 
 @dataclass(frozen=True, eq=False)
 class MultiAxisLaw:
-    """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A).
+    """The coordinates on which a law acts, row by row: laws (M, A, E) with this law first, residual and
+    motion (M, A).
 
     `links`: (M, A, L), what errors of the links' own masses do there, where these are another explanation.
     `noise`: (A,), mean squares of the rest that noise makes.
@@ -46,7 +47,9 @@ def multi_axis_law(
     which: int,
     count: int,
 ) -> MultiAxisLaw:
-    """What a mass asks of all drives that move it: of the first `count` of `acts` one; others are links."""
+    """Return the torque that a mass needs from all drives that move it; the first `count` of `acts` form one
+    law, others are links.
+    """
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
     columns = np.concatenate([part[own] for part, own in zip(acts, rows, strict=True)])
     power = np.sum(columns[:, :, which] ** 2, axis=0)
@@ -70,14 +73,16 @@ def multi_axis_law(
 
 
 def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
-    """Of a law of several coordinates, which their positions and accelerations decide, or a constant."""
+    """Return the adequacy of a law on several coordinates, decided by positions and accelerations, or by a
+    constant.
+    """
     if _is_constant(s.laws[:, :, 0]) and (np.mean(s.rest**2, axis=0) > POLICY.at_noise * s.noise).any():
         return Adequacy(0.0, 0.0, 0.0)
     count, axes = s.rest.shape
     time = np.repeat(np.arange(count, dtype=float)[:, None], axes, axis=1)
 
     def apart(values: np.ndarray) -> Free:
-        """A free function on each coordinate of its own quantity (M, A)."""
+        """Return one free function for each coordinate, of its own quantity (M, A)."""
         bases, penalties = zip(*(splines([x], [x]) for x in values.T), strict=True)
         sizes = np.cumsum([0, *(b.shape[1] for b in bases)])
         whole, penalty = np.zeros((count, axes, sizes[-1])), np.zeros((sizes[-1],) * 2)
@@ -100,6 +105,6 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
 
 
 def _is_constant(law: np.ndarray) -> bool:
-    """Whether it is one torque, where it weighs; one that varies less than a tie does says no more."""
+    """Whether a law is one constant torque wherever it has weight; variation below a tie is ignored."""
     acting = law[law != 0.0]
     return len(acting) > 0 and float(np.std(acting)) < POLICY.tie * abs(float(np.mean(acting)))

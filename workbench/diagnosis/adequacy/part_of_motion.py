@@ -1,4 +1,4 @@
-"""The part of the motion in which noise explains what laws leave; elsewhere acts something unknown.
+"""The part of the motion where noise explains what the laws leave; something unknown acts in the other part.
 
 A rough patch, a cable that pulls at one end or a blow acts at some positions or for some time. Laws that are
 fitted to all rows follow it. On the half of the motion that they fit best they are what they are elsewhere
@@ -24,14 +24,14 @@ _STEPS = 20  # of concentration, far more than are ever needed
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Rows of each recording that are explained, (N,); numbers of the drives whose positions tell them."""
+    """Explained rows of each recording (N,), and the indices of the drives whose positions define them."""
 
     rows: tuple[np.ndarray, ...]
     drives: frozenset[int]
 
 
 def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
-    """The part of the motion, at least half of it, in which little more than noise is left by some laws.
+    """Return the part of the motion, at least half of it, where laws leave little more than noise.
 
     Args:
         laws: with the torque that they have to explain.
@@ -63,13 +63,15 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
 
 
 def _bins(values: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """The bin of each row of each recording, as many rows in each."""
+    """Return the bin of each row of each recording; all bins have equally many rows."""
     edges = np.quantile(np.concatenate(values), np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
     return [np.searchsorted(edges, v) for v in values]
 
 
 def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
-    """Mean square in each bin that laws (M, E) and a constant leave, fitted to the best half of the bins."""
+    """Return the mean square in each bin that laws (M, E) and a constant leave, fitted to the best half of
+    the bins.
+    """
     columns = np.column_stack([laws[:, laws.any(axis=0)], np.ones(len(torque))])
     columns = columns / np.sqrt(np.mean(columns**2, axis=0))
     pieces = [normal(columns[bins == b], torque[bins == b]) for b in range(_BINS)]

@@ -1,4 +1,4 @@
-"""Recordings without what no effect explains: a tone, or a smooth function of time or a position.
+"""Removal of what no effect explains: a tone, or a smooth function of time or a position.
 
 What is certain beside an unknown torque has its size there too, but for what the two have in common. With the
 unknown torque taken out, as far as a free function knows it, the other's estimate is no longer drawn to it
@@ -27,7 +27,7 @@ _POSITION = "position"
 
 
 def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) -> tuple[Recording, ...] | None:
-    """The recordings, their torque less what a free function explains of the rest on each axis.
+    """Return recordings whose torque lacks what a free function explains of the residual on each axis.
 
     Args:
         found: all effects that were selected, along the measured motion.
@@ -62,12 +62,12 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
 
 
 def _is_free(shape: Shape, taken: Collection[str]) -> bool:
-    """Whether it is of a quantity that is neither friction's nor a certain law's."""
+    """Return whether a shape depends on a quantity that belongs neither to friction nor to a certain law."""
     return shape.quantities[0] not in {"speed", "load", *taken}
 
 
 def rest_of(found: Fit, data: Data) -> tuple[Missing, list[slice]]:
-    """What the effects leave of the torque, thinned, and the rows of each recording."""
+    """Return the torque residual that the effects leave, thinned, and the rows of each recording."""
     first = data.recordings[0]
     stride = max(1, round(_STEP_S / first.period))
     torque, position, speed, time, rows, count = [], [], [], [], [], 0
@@ -97,7 +97,7 @@ def rest_of(found: Fit, data: Data) -> tuple[Missing, list[slice]]:
 
 
 def _torque(shape: Shape, recording: Recording, rest: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """What a shape adds to the torque at each row of a recording (N,), from its rest at some times."""
+    """Return the torque that a shape adds at each row of a recording (N,), from its values at some times."""
     if shape.frequency is not None:
         turn = 2.0 * np.pi * shape.frequency
         at = [np.stack([np.cos(turn * t), np.sin(turn * t)], axis=1) for t in (time, recording.time)]

@@ -1,4 +1,4 @@
-"""Recordings without a tone that no effect explains, on any axis.
+"""Removal of a tone that no effect explains, on every axis.
 
 A tone moves the machine, so that what laws do has a part at its frequency, and a tone that is fitted to what
 they leave takes of theirs. Fitted beside all of them it has its own size, and laws are what they are at all
@@ -23,14 +23,14 @@ from .laws import Laws
 
 @dataclass(frozen=True, eq=False)
 class WithoutTones:
-    """Recordings less their tones, and the laws that are little else than such a tone."""
+    """Recordings without their tones, and the laws that consist mostly of such a tone."""
 
     recordings: tuple[Recording, ...]
     tonal: frozenset[EffectKey]
 
 
 def without_tones(laws: Laws, missing: Missing, data: Data) -> WithoutTones | None:
-    """The recordings less the tone of each axis whose rest is mostly one.
+    """Return the recordings without the tone of each axis whose residual is mostly one tone.
 
     Args:
         laws: that were found along the motion, and basic ones.
@@ -61,13 +61,15 @@ def without_tones(laws: Laws, missing: Missing, data: Data) -> WithoutTones | No
 
 
 def _wave(frequency: float, time: np.ndarray) -> np.ndarray:
-    """Cosine and sine (N, 2)."""
+    """Return cosine and sine (N, 2)."""
     turn = 2.0 * np.pi * frequency * time
     return np.stack([np.cos(turn), np.sin(turn)], axis=1)
 
 
 def _beside(laws: np.ndarray, torque: np.ndarray, waves: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Sizes of a wave in each recording, (R, 2), beside laws (M, E); and the share of each law that it is."""
+    """Return sizes of a wave in each recording (R, 2), fitted beside laws (M, E), and the share of each law
+    that is wave.
+    """
     ends = np.cumsum([len(w) for w in waves])[:-1]
     here, wanted = np.split(laws, ends), np.split(torque, ends)
     bases = [np.linalg.qr(w)[0] for w in waves]

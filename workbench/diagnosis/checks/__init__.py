@@ -1,1 +1,1 @@
-"""What makes recordings and model contradict each other: units, signs, loops, torque that is logged late."""
+"""Checks for contradictions between recordings and model: units, signs, loops, torque logged late."""

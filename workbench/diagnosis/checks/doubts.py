@@ -1,4 +1,6 @@
-"""Lines on what a diagnosis would refuse recordings for, beside a result that is shown all the same."""
+"""Doubts: what a diagnosis would refuse in these recordings, as lines beside a result that is shown
+anyway.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ from .units import refuse_unit
 
 
 def doubts(model: Model, sources: Sequence[Recording | Log]) -> tuple[str, ...]:
-    """Lines on a loop in other coordinates than stated, on units that were guessed and on signs.
+    """Return lines about loop coordinates, guessed units and signs that contradict the recordings.
 
     Only what the torque along the measured motion shows is asked, which takes a fraction of a second.
 

@@ -1,4 +1,4 @@
-"""The sign check: axes whose columns have the opposite sign of the model's."""
+"""The sign check: finds axes whose columns have the opposite sign of the model's."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the join
 
 
 def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose torque the model explains once axes are turned, exchanged or moved.
+    """Refuse recordings whose torque the model explains once axes are negated, swapped or shifted.
 
     That takes seconds where the loops take minutes, and needs no command.
 
@@ -49,7 +49,7 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
 def refuse_wrong_sign_in_loop(
     model: Model, recordings: Sequence[Recording], error: float, floor: float
 ) -> None:
-    """Refuse recordings that the model mostly explains, in the loop, once the sign of one axis is changed.
+    """Refuse recordings that the model mostly explains in the loop once the sign of one axis is changed.
 
     Where weight and inertia are the same either way, so is the error, and nothing is said.
 
@@ -83,7 +83,7 @@ def _named(axes: Sequence[str]) -> str:
 
 
 def _score(model: Model, recordings: Sequence[Recording]) -> float:
-    """Error of the model's runs; infinite where it is unstable, or links are where they cannot go."""
+    """Return the error of the model's runs; infinite if it is unstable or links are where they cannot be."""
     try:
         replay = replay_of(model, recordings)
     except SimulationError:

@@ -1,4 +1,4 @@
-"""The torque log offset: a measured torque logged whole rows later or earlier than its command."""
+"""The torque log offset: measured torque that is logged whole rows later or earlier than its command."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..policy import POLICY
 
 
 def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
-    """One line an axis whose measured torque is its command whole rows later, or earlier, than drives answer.
+    """Return one line for each axis whose measured torque is shifted against its command by whole rows.
 
     That is how a late drive looks too. But a drive's delay is in the motion as well, and is found; where it
     is not, and the rest stays unexplained, the log is what to look at.
@@ -44,6 +44,6 @@ def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[s
 
 
 def _off(asked: np.ndarray, given: np.ndarray, shift: int) -> float:
-    """Squared difference of a torque from another, which is moved by whole rows; the same rows for all."""
+    """The squared difference between two torques, one shifted by whole rows, always over the same rows."""
     rows = np.arange(POLICY.shift_rows, len(asked) - POLICY.shift_rows)
     return float(np.nansum((given[rows] - asked[rows - shift]) ** 2))

@@ -1,4 +1,4 @@
-"""The unit check: units that were guessed, where another unit would explain the recordings."""
+"""The unit check: finds guessed units where another unit would explain the recordings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NAMED = {"position": NAMED, "torque": TORQUE}
 
 
 def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]:
-    """Recordings whose measured torque is another multiple of its command, the same on every axis.
+    """Return recordings whose measured torque differs from its command by one factor on every axis.
 
     That is a unit or a torque constant that changed from one to the other; an axis by itself may be at a
     limit, or warm.
@@ -47,7 +47,7 @@ def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]
 
 
 def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
-    """What to do before anything is measured: which unit to state, and of which recordings; or None."""
+    """Which unit to state in which recordings before the next experiment; None if all units are stated."""
     for found in (d for d in disagreeing if d.meaning):
         odd = [
             name
@@ -63,7 +63,8 @@ def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
 
 
 def _over_command(recording: Recording) -> np.ndarray:
-    """Measured torque over its command, of axes that a drive moves: NaN where it does not follow.
+    """Return measured torque over command of the axes that a drive moves; NaN where the torque does not
+    follow.
 
     Empty if either was not recorded.
     """
@@ -78,7 +79,7 @@ def _over_command(recording: Recording) -> np.ndarray:
 
 
 def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose torque the model explains as soon as a unit that was guessed is another one.
+    """Refuse recordings whose torque the model explains once a guessed unit is replaced by another.
 
     Raises:
         InputError: names the unit.
@@ -105,8 +106,9 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     meant = " or ".join(name_factors(factor, named=_NAMED[kind]))
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
-        f"possible unit error: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
-        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained; as recorded, {now}",
+        f"possible unit error: `import` guessed the unit of {kind}; with values {factor:.4g} times as large "
+        f"(the factor between {meant}), the model leaves {100 * left:.2g} % of the torque unexplained; "
+        f"as recorded, {now}",
         file=some[0].source, column=f"units.{kind}",
         remedy="state the right unit there and delete guessed_units; if the guess is right, only delete "
             "guessed_units",
@@ -114,7 +116,8 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
 
 
 def doubted(findings: Sequence[Finding], recordings: Sequence[Recording]) -> tuple[Finding, ...]:
-    """The findings; where a factor is one between units of which one was guessed, that is said first.
+    """Return the findings, led by a doubt about the unit if a found factor is one between two units of which
+    one was guessed.
 
     Args:
         findings: what explains the recordings.

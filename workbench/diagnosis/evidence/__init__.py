@@ -1,1 +1,1 @@
-"""What recordings say about the residual, and which experiment would say more."""
+"""Evidence: what recordings say about the residual, and which experiment would say more."""

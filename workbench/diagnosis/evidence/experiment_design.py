@@ -1,4 +1,4 @@
-"""Experiments that a machine could be asked for, as designs and as the commands that make them."""
+"""Experiments for a machine, as designs and as the commands that make them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ _LENGTH_S = 6.0  # of each experiment
 
 @dataclass(frozen=True)
 class Option:
-    """An experiment that might tell: band [Hz], and amplitude as a share of what was recorded."""
+    """An experiment that may distinguish effects: band [Hz], and amplitude relative to the recorded
+    motion.
+    """
 
     kind: str
     drive: str
@@ -34,7 +36,8 @@ class Option:
 
 
 def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> tuple[Design, str]:
-    """An option for this machine, no harder than what was recorded, and the command that makes it.
+    """Return an experiment for this machine, no harder than the recorded motion, and the command that makes
+    it.
 
     Raises:
         InputError: it is none for this machine, or what is known does not say how hard it may be.
@@ -76,7 +79,7 @@ def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> t
 
 
 def in_a_loop(model: Model, recordings: Sequence[Recording]) -> tuple[Model, str]:
-    """The model, in the first loop that a recording states where it has none; and the option for that."""
+    """Return the model in its loop, or in the first loop that a recording states, and the option for that."""
     if not holds(model):
         for r in recordings:
             closed = replace(model, controller=r.controller)
@@ -86,7 +89,7 @@ def in_a_loop(model: Model, recordings: Sequence[Recording]) -> tuple[Model, str
 
 
 def _fastest(recording: Recording) -> float:
-    """The highest speed of any axis, derived as on loading where it was not recorded."""
+    """Return the highest speed of any axis, derived as on loading if it was not recorded."""
     speed = recording.get("velocity")
     if speed is None:
         speed = derive_velocity(recording.position, recording.period)
@@ -94,13 +97,13 @@ def _fastest(recording: Recording) -> float:
 
 
 def _opened_by(model: Model) -> str:
-    """What names the model on a command line: a shipped one's name, else its file."""
+    """Return the name of a shipped model, otherwise its file, as a command line takes it."""
     shipped = model.source == models_folder() / f"{model.name}.toml"
     return model.name if shipped or model.source is None else shlex.quote(str(model.source))
 
 
 def _posture(model: Model, place: float) -> dict[str, float]:
-    """Position reference with the last joint at a place in its range; empty where it has none.
+    """Return a position reference with the last joint inside its range; empty if it has no range.
 
     Raises:
         InputError: a posture is asked of a machine without a range or loop in joint coordinates.
@@ -114,7 +117,8 @@ def _posture(model: Model, place: float) -> dict[str, float]:
 
 
 def _torques(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
-    """The largest spread (n,) of the torque in recordings, by the law of their loops where none was logged.
+    """Return the largest spread (n,) of the torque in recordings; computed by the law of the loop if none was
+    logged.
 
     Raises:
         InputError: nothing says what torque there was.
@@ -128,7 +132,7 @@ def _torques(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
 
 
 def _spread(recording: Recording, names: Sequence[str]) -> np.ndarray:
-    """Standard deviation (n,) of the first of these signals that is there and moves."""
+    """Return the standard deviation (n,) of the first of these signals that is present and varies."""
     for name in names:
         values = recording.get(name)
         if values is not None and np.ptp(values) > 0:

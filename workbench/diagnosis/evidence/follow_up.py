@@ -1,4 +1,4 @@
-"""The experiment that shows more of what stays unexplained, by where it sits."""
+"""The experiment that shows more of the unexplained error, chosen by where that error is largest."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ _ADVICE = {
 
 
 def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recording]) -> str:
-    """One or two sentences: what to record where the rest sits, with the command that designs it.
+    """Return one or two sentences on what to record where the error is largest, with the command that designs
+    it.
 
     Args:
         model: the machine, with what is known of it.
@@ -44,7 +45,7 @@ def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recordi
 
 
 def _command(model: Model, most: Share, recordings: Sequence[Recording]) -> str:
-    """What designs the experiment; nothing where this machine has no such one."""
+    """Return the command that designs the experiment; empty if this machine has no such experiment."""
     option = _option(most, recordings)
     if option is None:
         return ""
@@ -71,7 +72,7 @@ def _short(value: float) -> float:
 
 
 def _fast_enough(most: Share, recordings: Sequence[Recording]) -> float:
-    """Frequency [Hz] at which motion as wide as what was recorded has twice the speeds in question."""
+    """Return the frequency [Hz] at which motion of the recorded width has twice the speeds in question."""
     axis = recordings[0].axes.index(most.axis)
     wide = np.sqrt(2.0) * max(float(r.position[:, axis].std()) for r in recordings)
     fastest = max(abs(x) for x in most.range)

@@ -1,4 +1,4 @@
-"""What measured frequency responses say about a finding, beside those of the model's own runs.
+"""Lines on what measured frequency responses say about a finding, compared with the model's own runs.
 
 Both are estimated from the same experiments in the same way, so that what the estimator does to one it does
 to the other, and their ratio is what the model lacks: a delay turns its phase in proportion to frequency, a
@@ -34,7 +34,7 @@ from .weighted import BANDS, in_bands, weighted_mean, weighted_slope
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """One group of experiments: the recordings, the same as the model runs them, and both responses."""
+    """One group of experiments: the recordings, the model's runs of them, and both responses."""
 
     measured: tuple[Recording, ...]
     modelled: tuple[Recording, ...]
@@ -43,7 +43,7 @@ class Responses:
 
 
 def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> Responses | None:
-    """Measured and modelled response of the first experiments that give one; None where none do.
+    """Return measured and modelled response of the first experiments that give one; None if none do.
 
     Multisines about one posture first, else chirps.
 
@@ -76,7 +76,7 @@ def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> 
 
 
 def response_lines(found: Responses, key: EffectKey) -> list[str]:
-    """What the responses say for one effect; nothing where they cannot tell."""
+    """Return lines on what the responses say about one effect; none if they cannot tell."""
     effect = effect_named(key.effect)
     side = "output" if effect.stage is SignalStage.SENSOR else "input"
     match effect.search.frf_signature:
@@ -95,7 +95,7 @@ def response_lines(found: Responses, key: EffectKey) -> list[str]:
 
 
 def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:
-    """The slope of the ratio's phase [ms], where the phase is a straight line through zero."""
+    """Return a line on the slope of the ratio's phase [ms], if the phase is a straight line through zero."""
     omega, ratio, deviation = _ratio(found, axis, side)
     phase, weight = np.unwrap(np.angle(ratio)), 2.0 / (deviation / np.abs(ratio)) ** 2
     phase -= 2 * np.pi * np.round(np.average(phase[: len(phase) // BANDS]) / (2 * np.pi))
@@ -114,7 +114,7 @@ def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:
 
 
 def gain_line(found: Responses, axis: str | None, side: str) -> list[str]:
-    """The ratio's magnitude, where it is the same in all bands and the phase does not turn."""
+    """Return a line on the ratio's magnitude, if it is equal in all bands and the phase does not turn."""
     omega, ratio, deviation = _ratio(found, axis, side)
     size, weight = np.log(np.abs(ratio)), 2.0 / (deviation / np.abs(ratio)) ** 2
     mean, std = weighted_mean(size, weight)
@@ -135,7 +135,7 @@ def gain_line(found: Responses, axis: str | None, side: str) -> list[str]:
 
 
 def resonance_lines(found: Responses, axis: str | None) -> list[str]:
-    """Pairs of anti-resonance and resonance that the model's own response has not."""
+    """Return lines on pairs of anti-resonance and resonance that the model's own response does not have."""
     axes = [c.axis for c in found.real.inputs]
     lines = []
     for i, name in enumerate(axes):
@@ -158,7 +158,7 @@ def resonance_lines(found: Responses, axis: str | None) -> list[str]:
 
 
 def distortion_lines(found: Responses, axis: str | None, *, odd: bool = True, even: bool = True) -> list[str]:
-    """What appears at lines that were not excited, where it is more than noise and than the model makes."""
+    """Lines on distortion at lines that were not excited, if it exceeds the noise and the model's own."""
     try:
         real, model = distortion(found.measured), distortion(found.modelled)
     except (InputError, np.linalg.LinAlgError):
@@ -186,20 +186,20 @@ def _share(d: Distortion, kind: str, output: int) -> float:
 
 
 def _as_run(recording: Recording, run: Recording) -> Recording:
-    """The recording with the signals that the model made in place of the measured ones."""
+    """Return the recording with the signals that the model produced in place of the measured ones."""
     made = {name: v for name, v in run.signals.items() if name in recording.signals}
     return recording.with_signals(**made)
 
 
 def _shared(real: Frf, model: Frf, top_hz: float) -> tuple[Frf, Frf]:
-    """Both at the lines below a frequency that both have."""
+    """Return both responses at the lines below a frequency that both have."""
     at = np.round(real.frequency, 9), np.round(model.frequency, 9)
     own, other = (np.where(a < top_hz, a, -k) for k, a in enumerate(at, 1))
     return real.kept(np.isin(own, other)), model.kept(np.isin(other, own))
 
 
 def _ratio(found: Responses, axis: str | None, side: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Measured over modelled response of one input's column (or output's row), weighted by certainty.
+    """Return measured over modelled response of one input's column (or output's row), weighted by certainty.
 
     Returns:
         omega [rad/s], ratio (complex) and its deviation, each (L,), at the lines that say something.
@@ -225,7 +225,7 @@ def _same(a: Resonance, b: Resonance) -> bool:
 
 
 def _pair(found: Sequence[Resonance]) -> tuple[Resonance, Resonance] | None:
-    """The lowest anti-resonance that a resonance follows."""
+    """Return the lowest anti-resonance that a resonance follows."""
     for low, high in pairwise(found):
         if (low.kind, high.kind) == ("antiresonance", "resonance"):
             return low, high

@@ -1,4 +1,4 @@
-"""The torque that a model lacks along the measured motion, with what it may go with."""
+"""The residual torque along the measured motion, and the quantities that it may depend on."""
 
 from __future__ import annotations
 
@@ -62,7 +62,8 @@ class Missing:
 def missing_torque(
     model: Model, measured: Sequence[Recording], simulated: Sequence[Recording], levels: NoiseLevels
 ) -> Missing | None:
-    """The torque residual by inverse dynamics, at a row every few milliseconds; actuator coordinates.
+    """Return the torque residual by inverse dynamics, at one row every few milliseconds; actuator
+    coordinates.
 
     Args:
         model: that lacks something.

@@ -1,4 +1,4 @@
-"""What to measure next: the excitation on which two explanations would differ most."""
+"""What to measure next: the excitation for which two explanations differ most."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _OPTIONS = (
 def next_experiment(
     verdict: Verdict, findings: Sequence[Finding], found: SearchResult, after: Comparison
 ) -> str | None:
-    """One or two sentences: which motion would settle what is open; None where nothing is."""
+    """Return one or two sentences on the motion that would settle an open question; None if there is none."""
     for finding in findings:
         step = next(s for s in found.steps if s.added == finding.key)
         rivals = finding.indistinguishable_from
@@ -60,13 +60,13 @@ def next_experiment(
 
 
 def _ways(key: EffectKey, rival: EffectKey) -> str:
-    """In which experiments two effects stand out; what one says within the other is said once."""
+    """Experiments in which two effects are visible; an experiment contained in the other is given once."""
     one, other = (effect_named(k.effect).words.reveal for k in (key, rival))
     return max(one, other, key=len) if one in other or other in one else f"{one}; {other}"
 
 
 def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, data: Data) -> str:
-    """The experiment on which two fitted models differ most, as a command.
+    """Return the experiment for which two fitted models differ most, as a command.
 
     Args:
         ours, theirs: models with the effect `key`, and with `rival` in its place.
@@ -97,7 +97,7 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
 
 
 def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
-    """Error over the noise floor that `theirs` would have on an experiment if `ours` is true.
+    """Return the error over the noise floor that `theirs` would have in an experiment if `ours` is true.
 
     Its free parameters may follow, at the price that their deviations set: a weighted least-squares step on
     derivatives by simulation.
@@ -131,7 +131,7 @@ def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
 
 
 def _moved(model: Model) -> list[Model]:
-    """The model with each estimated parameter of its last effect one deviation away."""
+    """Return the model with each estimated parameter of its last effect moved by one deviation."""
     if not model.effects:
         return []
     last = model.effects[-1]

@@ -1,4 +1,5 @@
-"""Relations of the residual torque to speed, its sign, load, position, reversals, acceleration, time, heat.
+"""Relations of the residual torque to speed, its sign, load, position, reversals, acceleration, time and
+heat.
 
 Each relation alone is a least-squares fit of one quantity (or a sine and cosine of the position) to the
 residual torque; how much it explains is held against the same residual with its blocks shuffled, which keeps
@@ -45,7 +46,7 @@ class Relation:
 
 @dataclass(frozen=True, eq=False)
 class _Column:
-    """A quantity along all recordings: what it is called and one or two columns (N, 1 or 2)."""
+    """A quantity along all recordings: its name and one or two columns (N, 1 or 2)."""
 
     quantity: str
     unit: str
@@ -53,7 +54,7 @@ class _Column:
 
 
 def relations(missing: Missing, axis: str) -> tuple[Relation, ...]:
-    """The one or two quantities that the residual torque of an axis correlates with most.
+    """Return the one or two quantities with which the residual torque of an axis correlates most.
 
     Args:
         missing: see `missing_torque`.
@@ -86,7 +87,7 @@ def relations(missing: Missing, axis: str) -> tuple[Relation, ...]:
 
 
 def relation_lines(axis: str, found: Sequence[Relation]) -> list[str]:
-    """One line each."""
+    """Return one line for each relation."""
     return [
         f"the residual torque at {axis} is proportional to {r.quantity}{_amount(r)}, which explains "
         f"{100 * r.share:.0f} % of {'it' if k == 0 else 'what is left'} (p {_chance(r.p)})"
@@ -105,7 +106,9 @@ def _chance(p: float) -> str:
 def _strongest(
     residual: np.ndarray, bases: Sequence[tuple[_Column, np.ndarray]], orders: np.ndarray, block: int
 ) -> tuple[_Column, np.ndarray, float, float]:
-    """The quantity that explains most, its basis, its share, and the chance of such a share."""
+    """Return the quantity that explains most, its basis, its share, and the probability of such a share by
+    chance.
+    """
     power = float(residual @ residual)
     owner = np.repeat(np.arange(len(bases)), [b.shape[1] for _, b in bases])
     stacked = np.concatenate([b for _, b in bases], axis=1)
@@ -123,7 +126,7 @@ def _strongest(
 
 
 def _columns(m: Missing, k: int) -> list[_Column]:
-    """The quantities of one axis, each recording's mean taken off."""
+    """Return the quantities of one axis, without each recording's mean."""
     unit = m.units[k]
     torque = torque_unit(unit)
     at, speed, load = m.position[:, k], m.speed[:, k], m.load[:, k]
@@ -157,7 +160,7 @@ def _columns(m: Missing, k: int) -> list[_Column]:
 
 
 def _after_reversals(sign: np.ndarray, m: Missing) -> np.ndarray:
-    """The new sign for some steps after each change of it, else zero, (N,)."""
+    """Return the new sign of speed for some steps after each change, otherwise zero, (N,)."""
     steps = max(1, round(_AFTER_S / m.step))
     turned = np.flatnonzero(np.diff(np.sign(sign)) != 0) + 1
     out = np.zeros(len(sign))
@@ -167,14 +170,14 @@ def _after_reversals(sign: np.ndarray, m: Missing) -> np.ndarray:
 
 
 def _orthonormal(values: np.ndarray) -> np.ndarray | None:
-    """An orthonormal basis of what columns span; None where they stand still."""
+    """Return an orthonormal basis of the span of columns; None if they are constant."""
     q, r = np.linalg.qr(values)
     scale = np.abs(np.diag(r))
     return q if scale.min() > 1e-9 * max(float(np.linalg.norm(values)), 1e-12) else None
 
 
 def _without(basis: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """What of a basis is new, orthonormal; zeros where nothing is."""
+    """Return the new part of a basis, orthonormal; zeros if there is none."""
     rest = basis - other @ (other.T @ basis)
     keep = np.linalg.norm(rest, axis=0) > POLICY.relation_new
     out = np.zeros_like(basis)
@@ -184,6 +187,6 @@ def _without(basis: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def _size(column: _Column, residual: np.ndarray, count: int) -> float:
-    """The residual's slope with the quantity, or the amplitude of a sine."""
+    """Return the residual's slope with the quantity, or the amplitude of a sine."""
     slope = np.linalg.lstsq(column.values[:count], residual, rcond=None)[0]
     return float(slope[0]) if len(slope) == 1 else float(np.hypot(*slope))

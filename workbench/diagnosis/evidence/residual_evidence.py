@@ -1,4 +1,4 @@
-"""Residual evidence: lines under a finding, from responses and residuals, whatever the search says."""
+"""Residual evidence: lines under a finding, from responses and residuals, independent of the search."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ class ResidualEvidence:
 
     @property
     def model(self) -> Model:
-        """The model whose residual is examined."""
+        """Return the model whose residual is examined."""
         return self.fit.hypothesis.model
 
     @cached_property
     def responses(self) -> Responses | None:
-        """Measured and modelled frequency response, if the recordings give one; none of short windows."""
+        """Measured and modelled frequency response, if the recordings give one; None for short windows."""
         if not self.data.replay.machine_alone:
             return None
         count = self.data.training
@@ -45,7 +45,7 @@ class ResidualEvidence:
 
     @cached_property
     def missing(self) -> Missing | None:
-        """The residual torque, actuator coordinates; on the ground, its force would be part."""
+        """The residual torque in actuator coordinates; on the ground, it would contain the ground's force."""
         if not self.data.replay.machine_alone:
             return None
         count = self.data.training
@@ -54,7 +54,8 @@ class ResidualEvidence:
 
     @cached_property
     def shapes(self) -> tuple[Shape, ...]:
-        """The smooth function that removes most of each axis's missing torque, of those that remove much.
+        """Return the smooth functions that remove much of each axis's residual torque, the best for each
+        axis.
 
         Of one quantity where a second adds nothing.
         """
@@ -69,11 +70,11 @@ class ResidualEvidence:
 
     @property
     def follows_positions(self) -> bool:
-        """Whether the residual torque of an axis is a smooth function of positions alone."""
+        """Return whether the residual torque of an axis is a smooth function of positions alone."""
         return any(s.frequency is None and all("position" in q for q in s.quantities) for s in self.shapes)
 
     def of_finding(self, key: EffectKey) -> list[str]:
-        """Lines that bear on one effect."""
+        """Return lines that concern one effect."""
         effect, lines = effect_named(key.effect), []
         if effect.search.frf_signature is not None and self.responses is not None:
             lines += response_lines(self.responses, key)
@@ -87,7 +88,7 @@ class ResidualEvidence:
         return lines
 
     def of_rest(self, where: Sequence[Share]) -> tuple[str, ...]:
-        """Lines on what no effect explains, on the axis where most of it sits.
+        """Return lines on what no effect explains, on the axis with most of it.
 
         Args:
             where: shares of the rest, largest first.
@@ -118,7 +119,7 @@ def finding_lines(
     found: Collection[EffectKey] = (),
     held_out: HeldOutFall | None = None,
 ) -> tuple[str, ...]:
-    """Lines on what an effect removes, on which data, and on the next explanation.
+    """Return lines on what an effect removes, on which data, and on the next best explanation.
 
     Args:
         step: at which it was accepted.
@@ -137,17 +138,17 @@ def finding_lines(
     others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
         key, share = others[0]
-        beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
+        beside = f"simpler than {key}, which" if share > step.removed_share else f"the next best, {key},"
         theirs, own = shown(share), shown(step.removed_share)
-        much = f"as much, {own}" if theirs == own else f"{theirs} where this removes {own}"
-        lines.append(f"{beside} removes {much}, on {judges}, each signal in units of its noise")
+        much = f"as much, {own}" if theirs == own else f"{theirs}; this effect removes {own}"
+        lines.append(f"{beside} removes {much} (on {judges}, each signal divided by its noise)")
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
     return (*lines, *filter(None, words), f"typical sign: {effect.words.shows}")
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
-    """Lines on why an effect is certain although something else is missing; none where not tested."""
+    """Lines on why an effect is certain although something else is missing; none if it was not tested."""
     if key not in adequacy:
         return []
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
@@ -159,13 +160,13 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
 
 
 def _worst(missing: Missing) -> str:
-    """The axis with the largest residual torque."""
+    """Return the axis with the largest residual torque."""
     power = (missing.torque**2).sum(axis=0)
     return missing.axes[int(power.argmax())]
 
 
 def _without_rotor(model: Model) -> list[str]:
-    """Why no spring could be tried behind a motor: what would stay on its other side?"""
+    """Return a line on axes without motor inertia, where no spring behind the motor could be tried."""
     inertia = dict(zip(model.axes, rotors(model)[0], strict=True))
     bare = [axis for axis in model.driven if inertia[axis] == 0.0]
     advice = (

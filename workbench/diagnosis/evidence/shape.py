@@ -32,7 +32,7 @@ _FINER = 8  # frequencies a tone is looked for at, over those of the longest rec
 
 @dataclass(frozen=True, eq=False)
 class _Quantity:
-    """What the torque may be a function of: (N,) values."""
+    """A quantity (N,) that the torque may be a function of."""
 
     name: str
     unit: str
@@ -40,7 +40,7 @@ class _Quantity:
 
 
 def shapes(missing: Missing, axis: str, *, of_two: bool = True) -> tuple[Shape, ...]:
-    """Shapes that the residual torque of an axis follows, the one that removes most first.
+    """Return the shapes that the residual torque of an axis follows; the one that removes most comes first.
 
     Args:
         missing: the residual torque.
@@ -72,7 +72,7 @@ def shapes(missing: Missing, axis: str, *, of_two: bool = True) -> tuple[Shape, 
 
 
 def shows_tones(missing: Missing) -> bool:
-    """Whether recordings are long enough for a tone of a few cycles."""
+    """Return whether recordings are long enough for a tone of a few cycles."""
     return len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles
 
 
@@ -93,7 +93,7 @@ def _function(missing: Missing, k: int, quantities: Sequence[_Quantity]) -> Shap
 
 
 def tone_of(missing: Missing, axis: str) -> Shape:
-    """The strongest frequency of an axis that all recordings share, each with its own phase."""
+    """Return the strongest frequency of an axis that all recordings share, each with its own phase."""
     k = missing.axes.index(axis)
     torque, step = missing.torque[:, k], missing.step
     parts = list(
@@ -133,7 +133,7 @@ def _shape(
     along: np.ndarray,
     frequency: float | None = None,
 ) -> Shape:
-    """The function on its grid, and there with the mean of what it leaves around each value."""
+    """Return the function on its grid, with the mean of what it leaves around each value."""
     torque = missing.torque[:, k]
     moved = (fitted.each - fitted.whole) @ there.T
     known = np.isfinite(along)
@@ -157,7 +157,7 @@ def _shape(
 def _smooth(
     missing: Missing, basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, weights: np.ndarray
 ) -> LeftOut:
-    """A function's coefficients, its penalty times one of some weights and the size of its equations."""
+    """A function's coefficients, with the penalty weight chosen relative to the size of its equations."""
     fold = (np.arange(len(torque)) // max(1, round(_BLOCK_S / missing.step))) % _FOLDS
     blocks = [normal(basis[fold == f], torque[fold == f]) for f in range(_FOLDS)]
     scale = float(np.mean(np.diag(total(blocks).gram))) + 1e-300
@@ -184,5 +184,5 @@ def splines(values: Sequence[np.ndarray], at: Sequence[np.ndarray]) -> tuple[np.
 
 
 def _centred(basis: np.ndarray, start: Sequence[int]) -> np.ndarray:
-    """The values less the mean of each recording, as of the torque."""
+    """Return the values minus the mean of each recording, as for the torque."""
     return np.concatenate([p - p.mean(axis=0) for p in np.split(basis, start[1:])])

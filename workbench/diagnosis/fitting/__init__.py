@@ -1,1 +1,1 @@
-"""Parameters of effects by Gauss-Newton on simulations, and how certain they are."""
+"""Parameters of effects by Gauss-Newton on simulations, with their uncertainty."""

@@ -18,7 +18,7 @@ def solve(
     upper: np.ndarray | float = np.inf,
     damping: float = 0.0,
 ) -> np.ndarray:
-    """Unknowns (C,) that minimise the squared residual within bounds.
+    """Return unknowns (C,) that minimise the squared residual within bounds.
 
     Args:
         equations: normal equations.

@@ -23,19 +23,19 @@ _OVER_STEP = 1e-6  # of a row, beyond its edge
 
 
 def is_delay(key: EffectKey) -> bool:
-    """Whether an effect is a delay or a lag, and nothing else."""
+    """Return whether an effect is only a delay or a lag."""
     return kinds.is_pure_delay(effect_named(key.effect))
 
 
 def with_delay(hypothesis: Hypothesis, key: EffectKey, seconds: float) -> Hypothesis:
-    """The hypothesis with its last effect delayed by that many seconds."""
+    """Return the hypothesis with its last effect delayed by that many seconds."""
     (parameter,) = effect_named(key.effect).parameters
     late = applied_effect(hypothesis.base, AppliedEffect(key), {parameter.name: seconds})
     return replace(hypothesis, free=(*hypothesis.without(key).free, late))
 
 
 def one_delay_for_two(hypothesis: Hypothesis, one: AppliedEffect, other: AppliedEffect) -> list[Hypothesis]:
-    """Hypotheses with one delay, as long as both, in place of two: the loop depends on their sum alone."""
+    """Hypotheses with one delay, as long as both, in place of two: the loop depends only on their sum."""
     rest = hypothesis.without(one.key).without(other.key)
     seconds = sum(value for a in (one, other) for value in a.values.values())
     there = {a.key for a in rest.free}
@@ -47,7 +47,7 @@ def one_delay_for_two(hypothesis: Hypothesis, one: AppliedEffect, other: Applied
 def retry_at_best_delay(
     tried: Sequence[Hypothesis], values: Sequence[float], near: Sequence[bool] | np.ndarray
 ) -> dict[int, Hypothesis]:
-    """Hypotheses, by number, that restart delays with a poor fit at the delay of the best one.
+    """Return hypotheses, by index, that restart poorly fitted delays at the best delay found.
 
     The loop hardly depends on which delay it is, only on its length. One fit starts near, another has far to
     go while all other effects change too.
@@ -71,7 +71,7 @@ def retry_at_best_delay(
 
 
 def has_whole_row_delay(hypothesis: Hypothesis) -> bool:
-    """Whether one of its effects is a delay between command and torque."""
+    """Return whether one of its effects is a delay between command and torque."""
     return any(map(_is_a_command_s, hypothesis.free))
 
 
@@ -85,7 +85,8 @@ def _is_a_command_s(applied: AppliedEffect) -> bool:
 
 
 def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
-    """Hypotheses with a delay just inside the rows before and after, all other unknowns solved for it.
+    """Return hypotheses with a delay just inside the rows before and after, with all other unknowns solved
+    for it.
 
     A torque that is held from row to row and late by three rows and a bit is logged as if it were late by
     four. How much a bit is, the motion alone tells. A fit that has come a little over a whole row, which is

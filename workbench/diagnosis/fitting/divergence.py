@@ -12,7 +12,8 @@ from ..hypothesis import Fit, Hypothesis, applied_effect
 
 
 def divergence(found: Fit, data: Data) -> np.ndarray:
-    """Median squared distance of trajectories whose parameters differ within their intervals, (R, 2, n).
+    """Return the median squared distance of trajectories whose parameters differ within their intervals, (R,
+    2, n).
 
     With backlash, trajectories follow their parameters for a while only: soon even the true parameters give
     another motion than the measured one, and no fit can leave less than the distance of two such runs. At an
@@ -38,7 +39,7 @@ def divergence(found: Fit, data: Data) -> np.ndarray:
 
 
 def _around(hypothesis: Hypothesis) -> list[Hypothesis]:
-    """Each parameter of each effect at either end of its interval."""
+    """Return models with each parameter of each effect at either end of its interval."""
     out = []
     for k, applied in enumerate(hypothesis.free):
         for name, estimate in applied.parameters.items():

@@ -1,4 +1,4 @@
-"""Fit hypotheses by simulating the closed loop: Gauss-Newton on many of them at once."""
+"""Fit of hypotheses by closed-loop simulation: Gauss-Newton on many of them at once."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ FINE_TOLERANCE = 1e-6  # the same for estimates: a thousandth of what a deviatio
 
 
 def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
-    """Training objective of hypotheses as they are; infinite where they do not run."""
+    """Return the training objective of hypotheses with their current values; infinite if they fail to run."""
     squares = [data.mean_squares(runs) for runs in data.run([h.model for h in hypotheses])]
     return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
 
@@ -54,7 +54,7 @@ class _Work:
 def fit(
     hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = TOLERANCE
 ) -> list[Fit | None]:
-    """Fit all hypotheses to the training recordings, simulating them side by side.
+    """Return fits of all hypotheses to the training recordings; they are simulated side by side.
 
     Args:
         hypotheses: where to start from.
@@ -75,7 +75,7 @@ def fit(
 def _iterated(
     hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
 ) -> list[_Work]:
-    """Hypotheses after some Gauss-Newton iterations; not linearised at their last values."""
+    """Return hypotheses after some Gauss-Newton iterations; not linearised at their last values."""
     works = [_Work(h, h) for h in hypotheses]
     for turn in range(iterations):
         best = min((w.value for w in works), default=np.inf)
@@ -97,7 +97,7 @@ def _iterated(
 
 
 def _across_row_edge(work: _Work, data: Data, enough: float) -> _Work:
-    """The fit, or a better one across the edge of a row of a delay, where noise does not explain it."""
+    """The fit, or a better one with the delay in a neighbouring row, if noise does not explain the error."""
     floor = data.objective(data.least())
     if not has_whole_row_delay(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
         return work
@@ -111,7 +111,7 @@ def _across_row_edge(work: _Work, data: Data, enough: float) -> _Work:
 def successive_halving(
     hypotheses: Sequence[Hypothesis], current: Fit, data: Data
 ) -> tuple[list[Fit | None], list[float | None]]:
-    """Fits by successive halving: first on the most informative recordings, the best then on all.
+    """Return fits by successive halving: first on the most informative recordings, then the best on all.
 
     Args:
         hypotheses: to be compared.
@@ -137,7 +137,7 @@ def successive_halving(
 
 
 def _still_competing(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
-    """Which of them (W,) are close enough to the best to go on."""
+    """Return which of them (W,) are close enough to the best to go on."""
     left = np.array([w.value - floor for w in works])
     limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
     limit += POLICY.race_excess * max(before - floor, 0.0)
@@ -145,7 +145,7 @@ def _still_competing(works: Sequence[_Work], before: float, floor: float) -> np.
 
 
 def _retried_delays(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
-    """Fits with poor delays restarted at the delay of the best one, or across the edge of a row."""
+    """Return fits with poorly fitted delays restarted at the best delay, or in a neighbouring row."""
     led = retry_at_best_delay([w.best for w in works], [w.value for w in works], near)
     out = list(works)
     for k, other in zip(led, _iterated(list(led.values()), data, _FIRST_ITERATIONS), strict=True):
@@ -155,7 +155,7 @@ def _retried_delays(works: list[_Work], near: np.ndarray, data: Data, most: floa
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
-    """Simulate the tried values; keep them where they are better, else raise the damping."""
+    """Simulate the trial values; keep them if they are better, otherwise raise the damping."""
     results = data.run([w.tried.model for w in works])
     for work, runs in zip(works, results, strict=True):
         mean_squares = data.mean_squares(runs)
@@ -177,7 +177,9 @@ def _reject(work: _Work) -> None:
 
 
 def _linearise(works: list[_Work], data: Data) -> None:
-    """Normal equations about each hypothesis, per fold; of long recordings a few hypotheses at a time."""
+    """Compute normal equations about each hypothesis and fold; long recordings are processed a few hypotheses
+    at a time.
+    """
     size = sum(len(r) * len(r.axes) ** 2 for r in data.recordings[: data.training])
     together = max(1, _AT_ONCE // size)
     for first in range(0, len(works), together):
@@ -206,7 +208,7 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
 
 
 def _step(work: _Work, enough: float) -> None:
-    """The next values to try; done where they would change nothing."""
+    """Compute the next trial values; mark a hypothesis done if they would change nothing."""
     assert work.pieces is not None
     whole = total(work.pieces)
     low, high = step_bounds(work.best)

@@ -1,4 +1,4 @@
-"""Penalised least squares, the weight of the penalty by what is left on blocks that are left out in turn."""
+"""Penalised least squares, with the penalty weight chosen on blocks that are left out in turn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from .normal_equations import Normal, total
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """Coefficients of all blocks (C,) and with each left out (B, C), and the squares left on what was."""
+    """Coefficients of all blocks (C,) and with each block left out (B, C), and the squares left on that
+    block.
+    """
 
     whole: np.ndarray
     each: np.ndarray
@@ -22,7 +24,7 @@ class LeftOut:
 def left_out(
     blocks: Sequence[Normal], penalty: np.ndarray, weights: np.ndarray, ridge: np.ndarray | float = 0.0
 ) -> LeftOut:
-    """The solution by the best weight of a penalty.
+    """Return the solution with the best penalty weight.
 
     Args:
         blocks: normal equations of blocks of rows.

@@ -1,4 +1,4 @@
-"""Normal equations of pieces of data, to be added, taken apart and solved."""
+"""Normal equations of pieces of data, which can be added, subtracted and solved."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ class Normal:
         )
 
     def pick(self, index: Sequence[int]) -> Normal:
-        """Only these unknowns."""
+        """Return the equations of only these unknowns."""
         i = np.asarray(index, int)
         return Normal(self.gram[np.ix_(i, i)], self.right[i], self.square, self.samples)
 
     def after(self, solution: np.ndarray) -> float:
-        """Squared residual when the unknowns take these values."""
+        """Return the squared residual for given values of the unknowns."""
         return float(self.square - 2.0 * self.right @ solution + solution @ self.gram @ solution)
 
 
 def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
-    """Normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
+    """Return normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
     x, y = response.reshape(residual.size, response.shape[-1]), residual.reshape(-1)
     return Normal(x.T @ x, x.T @ y, float(y @ y), len(residual))
 
 
 def total(pieces: Sequence[Normal]) -> Normal:
-    """Normal equations of all pieces together."""
+    """Return normal equations of all pieces together."""
     return reduce(add, pieces)

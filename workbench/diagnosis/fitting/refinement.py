@@ -1,4 +1,4 @@
-"""From a candidate to a final fit: what it replaces, the sliding speed of friction, what becomes needless."""
+"""From a candidate to a final fit: replaced special cases, sliding speed of friction, needless effects."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _ROUNDS = 5  # of a last fit, at most
 
 
 def with_candidate(linearisation: Linearisation, candidate: Candidate, current: Fit) -> Hypothesis:
-    """The current model with a candidate, which replaces its special cases in the same place."""
+    """Return the current model with a candidate, which replaces its special cases in the same place."""
     effect = effect_named(candidate.key.effect)
     base, free = current.hypothesis.base, current.hypothesis.free
     free = tuple(
@@ -56,14 +56,14 @@ def with_candidate(linearisation: Linearisation, candidate: Candidate, current: 
 
 
 def with_candidates(linearisation: Linearisation, chosen: Sequence[Candidate], current: Fit) -> Hypothesis:
-    """The current model with several candidates, each in its turn as `with_candidate` has it."""
+    """Return the current model with several candidates, added one at a time by `with_candidate`."""
     for candidate in chosen:
         current = replace(current, hypothesis=with_candidate(linearisation, candidate, current))
     return current.hypothesis
 
 
 def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
-    """The fit with its sliding speed tuned on a grid, where the residual could be due to it.
+    """Return the fit with its sliding speed tuned on a grid, if the residual could be due to it.
 
     The sliding speed [rad/s] is a property of the contact, not of an effect. The grid is evaluated on the
     most informative recordings; how far parameters move between grid points widens their intervals.
@@ -90,7 +90,7 @@ def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
 
 
 def converged(found: Fit, data: Data) -> Fit:
-    """The same effects, fitted until converged.
+    """Return the same effects, fitted until converged.
 
     A later effect must not win by what an unfinished fit had still to gain.
     """
@@ -108,7 +108,7 @@ def converged(found: Fit, data: Data) -> Fit:
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:
-    """The fit without effects that the new one made needless, and their keys.
+    """Return the fit without effects that the new one made needless, and the keys of those.
 
     An effect is dropped where the test loss stays within a tie, or, at the noise floor, the training loss.
     """

@@ -19,13 +19,13 @@ from .normal_equations import Normal
 
 
 def widened(found: Fit, other: Fit) -> Fit:
-    """The fit with deviations no smaller than those of another fit of the same effects."""
+    """Return the fit with deviations no smaller than those of another fit of the same effects."""
     there = [a.parameters for a in other.hypothesis.free]
     return _deviating(found, lambda k, name, own: max(own.std, there[k][name].std))
 
 
 def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
-    """The fit with deviations that cover a share of the distance from `own` to `others`."""
+    """Return the fit with deviations that cover a share of the distance from `own` to `others`."""
 
     def value(of: Fit, k: int, name: str) -> float:
         return of.hypothesis.free[k].parameters[name].value
@@ -38,7 +38,7 @@ def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
 
 
 def _deviating(found: Fit, deviation: Callable[[int, str, Estimate], float]) -> Fit:
-    """The fit with other deviations, by the number of an effect, the name of a parameter and its estimate."""
+    """The fit with other deviations, by index of the effect, name of the parameter and its estimate."""
     free = tuple(
         AppliedEffect(a.key, {n: replace(e, std=deviation(k, n, e)) for n, e in a.parameters.items()})
         for k, a in enumerate(found.hypothesis.free)
@@ -49,7 +49,7 @@ def _deviating(found: Fit, deviation: Callable[[int, str, Estimate], float]) -> 
 def covariance_of(
     total: Normal, noise: np.ndarray, changes: np.ndarray, value: float, data: Data
 ) -> np.ndarray:
-    """Covariance of the unknowns (C, C): from noise, and from leaving out folds (jackknife).
+    """Return the covariance of the unknowns (C, C): from noise, and from leaving out folds (jackknife).
 
     At the noise floor the first is right. Above it the model is wrong somewhere, residuals are not
     noise, and the jackknife over folds says how far estimates move.
@@ -68,14 +68,14 @@ def covariance_of(
 
 
 def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
-    """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
+    """The covariance (C, C) of the right-hand side that noise causes in one recording, from its draws."""
     flat = response.reshape(draws[0].size, response.shape[-1])
     hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
     return hits.T @ hits / len(hits)
 
 
 def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) -> Hypothesis:
-    """Standard deviations of the parameters by the delta method."""
+    """Return standard deviations of the parameters by the delta method."""
     free = []
     floor = data.pool(data.floor)
     for applied, block in blocks(hypothesis):
@@ -123,7 +123,7 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
 def _values(
     effect: Effect, shape: Values, there: Sequence[Parameter], count: int, unknowns: np.ndarray
 ) -> np.ndarray:
-    """Parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
+    """Return parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
     changed = dict(zip(effect.parameters.nonlinear, unknowns[count:], strict=True))
     named = effect.parameters.to_values(unknowns[:count], {**shape, **changed})
     return np.array([named[p.name] for p in there])

@@ -1,1 +1,1 @@
-"""What may be tried next from a node of the search: effects to add, replace, merge, simplify; restarts."""
+"""Moves of the search: what may be tried next from a node (add, replace, merge, simplify, restart)."""

@@ -1,4 +1,4 @@
-"""One effect more, and one more, as long as one is accepted (forward selection)."""
+"""The move that adds effects one at a time, as long as one is accepted (forward selection)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from .trial_fits import SearchState, try_in_order
 
 
 def grown(node: Node, problem: Problem) -> Node:
-    """The node after forward selection, as its `growth` says: one effect a step while one is accepted.
+    """Return the node after forward selection, by the rules in its `growth`.
 
     A bold start grows no more from a set of effects from which another has grown before.
     """
@@ -55,7 +55,7 @@ def grown(node: Node, problem: Problem) -> Node:
 
 
 def _may_grow(node: Node, how: Growth, begun: int, problem: Problem) -> bool:
-    """Whether one more effect is looked for."""
+    """Return whether another effect is looked for."""
     if node.done or node.data.budget.spent:
         return False
     if node.steps and too_little_left(node.current, problem.start, node.data):
@@ -68,7 +68,7 @@ def _may_grow(node: Node, how: Growth, begun: int, problem: Problem) -> bool:
 
 
 def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None:
-    """The next step of a growing node; None where no effect is accepted."""
+    """Return the next step of a growing node; None if no effect is accepted."""
     current, data, later = node.current, node.data, bool(node.steps)
     problem.progress(f"screening effects, step {len(node.steps) + 1}")
     linearisation, screened = (
@@ -93,7 +93,7 @@ def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None
 
 
 def _settled(node: Node, problem: Problem) -> Node:
-    """The node with its divergence measured, where that was left to the end."""
+    """Return the node with its divergence measured, if that was postponed to the end."""
     if node.growth is None or not node.growth.through_divergence or not node.steps:
         return node
     return with_last_step(node, node.steps[-1], problem.seed)
@@ -110,7 +110,7 @@ def next_step(
     provisional: bool = False,
     basics_first: bool = True,
 ) -> AcceptedStep | None:
-    """The next accepted step, or None where no candidate is accepted.
+    """Return the next accepted step; None if no candidate is accepted.
 
     What the model file itself states (its drives' inertia behind the transmission, a linkage that was
     identified) has no free parameter and cannot overfit: it comes first. Then basic effects, then
@@ -135,7 +135,7 @@ def next_step(
 def _step(
     helpful: list[Explanation], tried: list[Explanation], at: SearchState, basics_first: bool
 ) -> AcceptedStep:
-    """The step with the best of candidates that may be named, without effects that it makes needless."""
+    """The step with the best candidate that may be named, without the effects that it makes needless."""
     linearisation, model, data, before = at.linearisation, at.linearisation.model, at.data, at.current
     best = choose(helpful, at.parameter_free, before.test_loss, data, model, basics_first)
     candidate, found = special_case(linearisation, *best[:2], helpful, data)

@@ -1,4 +1,6 @@
-"""What is certain where the unknown is set apart: on another part of the motion, or at another frequency."""
+"""Which effects are certain when the unknown part is removed: another part of the motion, or another
+frequency.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ Apart = tuple[Sequence[Recording], Callable[[EffectKey], bool]]
 
 
 def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
-    """What is certain where the unknown is set apart, if that is more; else what was found.
+    """Return the certain effects found with the unknown part removed, if there are more; otherwise what was
+    found.
 
     Args:
         found: from all rows and all torques.
@@ -60,7 +63,7 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
 
 
 def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
-    """Whether an effect may follow another torque on a part of the motion.
+    """Return whether an effect may follow another torque on a part of the motion.
 
     A constant does, and a law of the position by which the part is known.
     """

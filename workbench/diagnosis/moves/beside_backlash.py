@@ -35,7 +35,7 @@ _OVERFLOW = 1e9  # N m or N: for what cannot be followed at all
 
 @dataclass(frozen=True)
 class _Torque:
-    """A torque of unit coefficient where a gap is.
+    """The torque, per unit coefficient, that acts at a gap.
 
     Attributes:
         at_motor: whether it acts ahead of the gap.
@@ -55,24 +55,24 @@ class _Torque:
 
 @dataclass(frozen=True)
 class _Option:
-    """An effect with its torques, one a coefficient; None where a coefficient does nothing here."""
+    """An effect with its torques, one for each coefficient; None where a coefficient has no influence."""
 
     entry: Entry
     torques: tuple[_Torque | None, ...]
 
     @property
     def active(self) -> tuple[_Torque, ...]:
-        """Those that do something."""
+        """Return the torques that are not None."""
         return tuple(t for t in self.torques if t is not None)
 
     @property
     def rank(self) -> tuple[int, int]:
-        """Simpler ones first."""
+        """Return a sort key that puts simpler effects first."""
         return kinds.tier_of(effect_named(self.entry.key.effect)), len(self.active) + len(self.entry.shape)
 
 
 class _Backlash:
-    """A gap and torques about it, along motions."""
+    """A gap and the torques beside it, along motions."""
 
     def __init__(self, linearisation: Linearisation, gap: Candidate) -> None:
         place = Placement.of(linearisation.model, gap.key)
@@ -84,7 +84,9 @@ class _Backlash:
         self.load = float(np.sqrt(np.mean(np.concatenate([p.load for p in self._pieces]) ** 2)))
 
     def left(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
-        """Torque that stays unforeseen (M,) with logarithms of gap and stiffness, then coefficients."""
+        """Return the torque (M,) left unexplained, given the logarithms of gap and stiffness and then the
+        coefficients.
+        """
         gap, stiffness = np.exp(values[:2])
         parts = []
         for k, piece in enumerate(self._pieces):
@@ -95,18 +97,18 @@ class _Backlash:
         return np.clip(left, -_OVERFLOW, _OVERFLOW)
 
     def sizes(self, torques: Sequence[_Torque]) -> np.ndarray:
-        """Changes (2 + k,) of unknowns that change about as much each."""
+        """Return steps (2 + k,) of the unknowns that change the torque by similar amounts."""
         return np.array([_GAP_STEP, _GAP_STEP, *(_PROBE_STEP * self.load / t.size for t in torques)])
 
     def slopes(
         self, torques: Sequence[_Torque], values: np.ndarray, now: np.ndarray, first: int = 0
     ) -> np.ndarray:
-        """Change (M, k) of what is left `now` by the unknowns from the `first` on, per `sizes`."""
+        """Derivatives (M, k) of the residual `now` by the unknowns from `first` on, per step of `sizes`."""
         steps = np.diag(self.sizes(torques))[first:]
         return np.stack([self.left(torques, values + step) - now for step in steps], axis=1)
 
     def fitted(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
-        """The values (2 + k,) that leave least, from some."""
+        """Return the values (2 + k,) that leave the smallest residual, starting from given values."""
         sizes = self.sizes(torques)
         limits = (
             np.array([(-np.inf, np.inf), (-np.inf, np.inf), *(t.limits for t in torques)]) / sizes[:, None]
@@ -120,7 +122,8 @@ class _Backlash:
 
 
 def beside_backlash(linearisation: Linearisation, gap: Candidate, current: Fit) -> list[Candidate]:
-    """Backlash and the other effects missing at its axis; backlash first, with its values beside the others.
+    """Return backlash and the other effects missing at its axis; backlash first, with its value fitted beside
+    the others.
 
     Args:
         linearisation: of the model so far; those of its recordings that are fitted are used.
@@ -158,7 +161,7 @@ def beside_backlash(linearisation: Linearisation, gap: Candidate, current: Fit) 
 
 
 def _can_be(model: Model) -> bool:
-    """Whether bodies with such inertias can be."""
+    """Return whether bodies with such inertias are physically possible."""
     try:
         compile_plant(model)
     except SimulationError:
@@ -167,7 +170,7 @@ def _can_be(model: Model) -> bool:
 
 
 def _options(linearisation: Linearisation, gap: EffectKey) -> list[_Option]:
-    """Effects that are torques at the axis of a gap."""
+    """Return the effects that are torques at the axis of a gap."""
     place = Placement.of(linearisation.model, gap)
     assert place is not None
     columns, entries = entries_of(linearisation)
@@ -188,7 +191,9 @@ def _options(linearisation: Linearisation, gap: EffectKey) -> list[_Option]:
 def _best(
     seen: _Backlash, options: Sequence[_Option], torques: Sequence[_Torque], values: np.ndarray
 ) -> tuple[_Option, np.ndarray] | None:
-    """The simplest option of those that leave about the least, and values to begin with; by slopes alone."""
+    """Return the simplest of the options that leave about the smallest residual, and starting values; uses
+    slopes only.
+    """
     now = seen.left(torques, values)
     known = seen.slopes(torques, values, now)
     tried_options: list[tuple[float, _Option, np.ndarray]] = []
@@ -228,7 +233,7 @@ def _candidates(chosen: Sequence[_Option], coefficients: np.ndarray, gap: Candid
 def _again(
     linearisation: Linearisation, gap: Candidate, others: Sequence[Candidate], current: Fit
 ) -> Candidate:
-    """The gap as it is in a model that has the others."""
+    """Return the gap as it appears in a model that has the other effects."""
     model = with_candidates(linearisation, others, current).model
     seen = Linearisation(model, linearisation.data, linearisation.runs[: linearisation.data.training])
     initial_values = effect_named(gap.key.effect).initial_values(

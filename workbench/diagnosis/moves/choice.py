@@ -1,4 +1,4 @@
-"""Which of the accepted explanations is chosen, and how much worse the others are (loss ratios)."""
+"""The choice among accepted explanations, and how much worse the others are (loss ratios)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ def choose(
     model: Model,
     basics_first: bool = True,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
-    """The best explanation and those indistinguishable from it; among equals the fewest parameters win.
+    """Return the best explanation and those indistinguishable from it; among equals, the one with fewest
+    parameters.
 
     Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
     """
@@ -47,7 +48,7 @@ def choose(
     top, most = min(((c, f.test_loss) for c, f in helpful), key=lambda cj: cj[1])
 
     def only_form(c: Candidate) -> bool:
-        """Whether the best explanation is a refinement of this one, whose fit may not find back to it."""
+        """Whether the best explanation is a refinement of this one, which a new fit might not find again."""
         return contains(top.key, c.key) and len(effect_named(top.key.effect).search.contains) == 1
 
     basic = [
@@ -78,7 +79,7 @@ def choose(
 
 
 def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
-    """Whether a refinement explains the training error that this one leaves, at the same test loss."""
+    """Return whether a refinement explains training error that this one leaves, at the same test loss."""
     floor, (special, found) = training_noise_floor(data), one
     return found.training_loss > POLICY.near_noise * floor and any(
         contains(c.key, special.key)
@@ -90,7 +91,9 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
 
 
 def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
-    """The refinement that leaves much less than the basic effect that was taken; None where there is none."""
+    """Return the refinement that leaves much less error than the basic effect that was taken; None if there
+    is none.
+    """
     others = [(share, key) for key, share in ranking if not effect_named(key.effect).search.basic]
     if not others or not effect_named(added.effect).search.basic:
         return None
@@ -100,7 +103,7 @@ def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float
 
 
 def simplest_first(found: Sequence[tuple[_T, Fit]], data: Data, worth: float) -> list[tuple[_T, Fit]]:
-    """Explanations sorted by test loss; those within a tie of the best by number of parameters.
+    """Return explanations by test loss; those that tie with the best are sorted by number of parameters.
 
     `worth`: share of the excess that more parameters have to remove to be better at all.
     """
@@ -117,7 +120,7 @@ def simplest_first(found: Sequence[tuple[_T, Fit]], data: Data, worth: float) ->
 
 
 def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) -> tuple[EffectLoss, ...]:
-    """Test losses of other explanations over that of one, best first.
+    """Return test losses of other explanations divided by that of one, smallest first.
 
     Forms of the same cause are left out.
     """
@@ -126,5 +129,5 @@ def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) 
 
 
 def same_cause(one: EffectKey, other: EffectKey) -> bool:
-    """Whether two effects are one, or forms of one."""
+    """Return whether two effects are the same, or two forms of the same cause."""
     return one.same_place(other) or contains(one, other) or contains(other, one)

@@ -28,7 +28,8 @@ _FEW = 3  # iterations of an intermediate fit
 def compliance_from_torque(
     at: Node, problem: Problem, least: float = 0.0, most: float = 1.0
 ) -> tuple[AcceptedStep, ...]:
-    """Steps with the spring or backlash that explains most of the inverse-dynamics residual; else none.
+    """Return steps with the spring or backlash that explains most of the inverse-dynamics residual; otherwise
+    none.
 
     The closed loop does not follow the measurement while anything else is missing, least of all with
     backlash, whose trajectories diverge: no simulation confirms it by itself. Effects that are missing beside
@@ -70,7 +71,9 @@ def compliance_from_torque(
 def _fits(
     linearisation: Linearisation, chosen: Sequence[Candidate], start: Fit, data: Data
 ) -> list[Fit] | None:
-    """Fits of the first candidate, the first two, and so on; None where all together do not run."""
+    """Return fits of the first candidate, the first two, and so on; None if the model with all of them fails
+    to run.
+    """
     fits: list[Fit | None] = []
     before = start
     rounds = (*(_FEW for _ in chosen[1:]), _ROUNDS) if len(chosen) > 1 else (1,)
@@ -84,7 +87,7 @@ def _fits(
 
 
 def _with_unseen(hypothesis: Hypothesis, before: Fit) -> Hypothesis:
-    """With values of an earlier fit where the torque at the gap says nothing and there are none yet."""
+    """Values of an earlier fit where the torque says nothing about the gap and there are no values yet."""
     known = {a.key: a.values for a in before.hypothesis.free}
     free = []
     for applied in hypothesis.free:

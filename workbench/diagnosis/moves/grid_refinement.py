@@ -1,4 +1,4 @@
-"""Refinement of backlash on a grid, where trajectories diverge and have no derivatives to follow."""
+"""Refinement of backlash on a grid, because diverging trajectories have no useful derivatives."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _ROUNDS = 3  # at each step, as long as the best is on the rim of the grid
 
 
 def with_refined_gap(node: Node, problem: Problem) -> Iterator[Node]:
-    """The node with parameters of diverging effects refined on a grid."""
+    """Return the node with the parameters of diverging effects refined on a grid."""
     problem.progress("trying sizes of the gap")
     better = refined_on_grid(node.current, node.data)
     if better is not node.current:
@@ -34,7 +34,8 @@ def with_refined_gap(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def refined_on_grid(found: Fit, data: Data) -> Fit:
-    """The fit with parameters of diverging effects refined on a grid; the same fit where nothing is better.
+    """Return the fit with the parameters of diverging effects refined on a grid; the same fit if nothing is
+    better.
 
     Many runs side by side show where less is left, as long as they diverge late. The test loss has to fall
     too.
@@ -61,7 +62,7 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
 
 
 def _with_others_converged(found: Fit, data: Data) -> Fit:
-    """The fit with all that is no part of diverging effects converged beside these.
+    """Return the fit with the parameters of all other effects converged beside these.
 
     Runs that diverge are no reason to stop on the way: while the gap is held, slopes lead down.
     """
@@ -80,7 +81,7 @@ def _with_others_converged(found: Fit, data: Data) -> Fit:
 
 
 def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -> Hypothesis:
-    """The hypothesis after moving the grid to its best point, until that is in the middle."""
+    """Return the hypothesis after moving the grid to its best point until that is the middle."""
     for _ in range(_ROUNDS):
         around = _around(hypothesis, next(a for a in hypothesis.free if a.key == key), step)
         best = int(np.argmin(values_of(around, data)))
@@ -91,7 +92,7 @@ def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -
 
 
 def _around(hypothesis: Hypothesis, applied: AppliedEffect, step: float) -> list[Hypothesis]:
-    """The hypothesis, and those with an effect's nonlinear values a step up and down."""
+    """Return the hypothesis, and variants with an effect's nonlinear values one grid step up and down."""
     effect = effect_named(applied.key.effect)
     bounds = effect.parameters.shape_bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
     out = [hypothesis]

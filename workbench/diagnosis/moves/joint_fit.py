@@ -1,4 +1,4 @@
-"""The fit of what was selected along the measured motion: of all of it, and of what is certain."""
+"""The fit of selected effects along the measured motion: of all of them, and of those that are certain."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _BACKFITS = 2  # of the unknown and the certain in turns; a third changes less t
 
 @dataclass(frozen=True)
 class Certain:
-    """What was selected along the measured motion, and what of it is certain.
+    """The effects selected along the measured motion, and those of them that are certain.
 
     Attributes:
         regression: from which it was selected.
@@ -51,7 +51,7 @@ class Certain:
 def certain_of(
     regression: Regression, start: Fit, data: Data, *, whatever_is_left: bool = False
 ) -> Certain | None:
-    """What is selected, and what of it is certain; None where nothing helps.
+    """Return the selected effects and the certain ones; None if no effect helps.
 
     Where noise explains the rest nothing is asked, but for `whatever_is_left`.
     """
@@ -66,14 +66,14 @@ def certain_of(
 
 
 def freed_of(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
-    """Recordings from which something was taken out, and the model as it is along their motion."""
+    """Return recordings without a removed component, and the unchanged model along their motion."""
     model = start.hypothesis.model
     freed, runs = gather_along(model, rest, data.training, seed)
     return freed, starting_fit(model, freed, runs.clean)
 
 
 def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
-    """Effects of the whole machine that others explain as well, as masses of links do a body."""
+    """Effects of the whole machine that others explain as well, as masses of links explain a moved body."""
     return {
         entry.key
         for entry in chosen.chosen
@@ -82,7 +82,7 @@ def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
 
 
 def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
-    """All that was selected, is clearly another than nothing and is told by the motions.
+    """Return the fit of all selected effects that are significant and identified by the motions.
 
     What a fit drew out of the reach of these goes first. Of two that trade with each other neither is clear,
     until one is out: of each axis the least clear goes first.
@@ -109,7 +109,8 @@ def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, da
 
 
 def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
-    """The effects that are certain, as they are beside all others; deviations cover free functions too.
+    """Return the certain effects with the values they have beside all others; deviations also cover free
+    functions.
 
     Without the others they would stand for a part of these.
     """
@@ -125,7 +126,7 @@ def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> 
 def beside_strangers(
     whole: Fit, named: Fit, sure: Mapping[EffectKey, Adequacy], start: Fit, data: Data, seed: int
 ) -> Fit:
-    """What is certain, with the values that it has where what nothing explains is taken out.
+    """Return the certain effects, with values fitted after the part that no effect explains was removed.
 
     A tone that no effect explains leaves no room for the damping of its axis, and Coulomb friction takes that
     up as well. Unknown and certain torques are fitted in turns.
@@ -157,7 +158,7 @@ def beside_strangers(
 
 
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
-    """An effect with deviations that cover how its size changes beside free functions."""
+    """Return an effect with deviations that cover how its size changes beside free functions."""
     spread = POLICY.rival_deviation * sure[applied.key].spread
     parameters = {
         name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))

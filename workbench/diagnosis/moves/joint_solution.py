@@ -1,4 +1,4 @@
-"""Effects on all axes, solved jointly along the measured motion, and which of them are certain."""
+"""Effects on all axes, solved together along the measured motion, and which of them are certain."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .joint_fit import beside_strangers, certain_of, certain_only
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
-    """The joint solution; once it was grown, as it is.
+    """Return the joint solution; if it was grown before, the stored one.
 
     It is the answer where it takes more effects than may be added one by one, or where plain corrections
     reach the noise. Else what is no torque along the motion may be missing beside several that are certain.
@@ -45,31 +45,31 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
 
 
 def one_effect_may_suffice(problem: Problem) -> bool:
-    """Whether a single effect, as screened, explains the recordings."""
+    """Return whether a single effect, as screened, explains the recordings."""
     least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
     return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
 
 
 def _has_several_certain(node: Node) -> bool:
-    """Whether several effects on more than one axis are certain, too many to approximate one other cause."""
+    """Whether several effects on more than one axis are certain: too many to approximate one other cause."""
     keys = [step.added for step in node.steps]
     return not node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
 def _corrections_suffice(node: Node) -> bool:
-    """Whether corrections of drive and link parameters alone reach the noise floor."""
+    """Return whether corrections of drive and link parameters alone reach the noise floor."""
     keys = [step.added for step in node.steps]
     at_noise = node.done or at_noise_floor(node.current, node.data)
     return at_noise and len(keys) > 1 and all(k.axis and _corrects_a_number(k.effect) for k in keys)
 
 
 def _corrects_a_number(effect: str) -> bool:
-    """Whether an effect corrects a number that every drive or link has."""
+    """Return whether an effect corrects a number that every drive or link has."""
     return effect_named(effect).search.basic or kinds.is_additive(effect_named(effect))
 
 
 def solve_jointly(problem: Problem) -> Node | None:
-    """The joint solution; None where no torque was recorded, or nothing helps that is certain.
+    """Return the joint solution; None if no torque was recorded, or no certain effect helps.
 
     The node has the effects that are certain; all effects where these are at the noise floor.
     """
@@ -105,7 +105,7 @@ def _solved(problem: Problem) -> Node | None:
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
-    """The effects, but for those that raise the error in the loop.
+    """Return the effects without those that raise the error in the closed loop.
 
     What explains a torque by chance seldom moves the machine as it moved. Of effects that are `certain` by
     themselves none goes as long as all together lower the error.
@@ -130,7 +130,7 @@ def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
 def _steps(
     regression: Regression, chosen: Selection, end: Fit, before: Fit, data: Data
 ) -> list[AcceptedStep]:
-    """The effects one after the other as they were selected, all with the values of the end."""
+    """Return one step for each effect, in the order of selection, all with the final values."""
     values = {a.key: a for a in end.hypothesis.free}
     order = [values[e.key] for e in chosen.chosen]
     hypotheses = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
@@ -146,7 +146,7 @@ def _steps(
 
 
 def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None:
-    """The steps in the replay of the problem; None where the error does not fall there."""
+    """Return the steps replayed in the loop; None if the error does not fall there."""
     data = problem.data
     if data.replay.simulates:
         runs = data.run([s.fit.hypothesis.model for s in steps])

@@ -25,7 +25,7 @@ from ..significance import identifiable
 
 
 def merged(node: Node, problem: Problem) -> Iterator[Node]:
-    """Nodes with one effect of at most half the parameters in place of two.
+    """Return nodes in which one effect, with at most half the parameters, replaces two.
 
     A payload at the foot changes inertia and weight of the linkage together, and is taken for both while a
     third cause is missing; on two axes that carry it, for a rotor of each. Two delays are merged into one of
@@ -39,7 +39,7 @@ def merged(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: Problem) -> Fit | None:
-    """The best fit with one effect, its last, in place of two; None where none is as good as with both."""
+    """The best fit with one effect (its last) in place of two; None if none is as good as both together."""
     current, data, most = node.current, node.data, 1.0 + POLICY.tie
     delays = is_delay(one.key) and is_delay(other.key)
     alike = one.key.effect == other.key.effect
@@ -74,7 +74,7 @@ def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: 
 def _steps(
     found: Fit, pair: tuple[AppliedEffect, AppliedEffect], node: Node, start: Fit
 ) -> tuple[AcceptedStep, ...]:
-    """The steps as they would have been with the last effect of a fit where the first of two was found."""
+    """Return the steps as if the last effect of a fit had been found where the first of the two was."""
     one, data = found.hypothesis.free[-1].key, node.data
     last, gone = converged(found, data), {a.key for a in pair}
     instead = [one if step.added in gone else step.added for step in node.steps]
@@ -91,7 +91,7 @@ def _steps(
 
 
 def _first(hypothesis: Hypothesis, keys: Sequence[EffectKey]) -> Hypothesis:
-    """Only these of its effects."""
+    """Return a fit with only the first of its effects."""
     free, parameter_free = (
         tuple(a for a in of if a.key in keys) for of in (hypothesis.free, hypothesis.parameter_free)
     )

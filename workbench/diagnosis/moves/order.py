@@ -1,4 +1,4 @@
-"""All moves in the order in which they are tried: what costs little, and what is most often right, first."""
+"""All moves in the order in which they are tried: cheap and usually successful ones first."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .simplify import simplified, without_needless, without_needless_start
 
 @dataclass(frozen=True)
 class Move:
-    """A way from a node to others.
+    """A way to reach further nodes from a node.
 
     Attributes:
         name: what it does, in words.
@@ -54,24 +54,24 @@ def _grown(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _first(node: Node, best: Node, problem: Problem) -> bool:
-    """Always, unless what is alike on all axes explains the recordings to the noise."""
+    """Return True, unless effects shared by all axes already explain the recordings to the noise."""
     return not node.move and (not best.steps or best.jointly or _may_be_wrong(best, problem))
 
 
 def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
-    """Where no single effect explains the recordings: drives of one make may lack the same."""
+    """Whether no single effect explains the recordings: drives of one design may miss the same effect."""
     several = not node.move and problem.limit > 1 and standing(best, problem) < EXPLAINED
     return several and not one_effect_may_suffice(problem)
 
 
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
-    """Where no loop is known, where axes are many, or where no single effect explains the recordings."""
+    """Return whether no loop is known, there are many axes, or no single effect explains the recordings."""
     first = not problem.data.replay.simulates or problem.is_expensive
     return not node.move and problem.limit > 1 and (first or not one_effect_may_suffice(problem))
 
 
 def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
-    """Where several effects are missing, or what explains the recordings may not be named."""
+    """Return whether several effects are missing, or the explanation found may not be named."""
     if node.move or problem.limit == 1 or best.jointly:
         return False
     if len(best.steps) > 1 or standing(best, problem) < EXPLAINED:
@@ -80,17 +80,17 @@ def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
 
 
 def _unexplained(node: Node, best: Node, problem: Problem) -> bool:
-    """Beside one effect after the other, where nothing explains the recordings."""
+    """Return whether forward selection left the recordings unexplained."""
     return _is_plain(node, problem) and standing(best, problem) < EXPLAINED
 
 
 def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
-    """Beside one effect after the other, where more than noise is left."""
+    """Return whether forward selection left more than noise."""
     return _is_plain(node, problem) and _may_be_wrong(best, problem)
 
 
 def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
-    """Beside one effect after the other, where noise does not explain all and several axes lack something.
+    """Return whether forward selection left more than noise on several axes.
 
     One effect of a single axis that comes near the noise is simpler; one of the whole machine may stand for
     one on each of its axes.
@@ -106,7 +106,9 @@ def _beside_alike(node: Node, best: Node, problem: Problem) -> bool:
 
 
 def _best_from_set(node: Node, best: Node, problem: Problem) -> bool:
-    """Where effects followed on several at once: rotors stand in for a load until the load is found."""
+    """Return whether effects were added after a set of effects: rotors can stand in for a load until the load
+    is found.
+    """
     return node is best and node.move in (_BESIDE_ALIKE, _TWO_AT_ONCE) and len(node.steps) > 2
 
 
@@ -116,14 +118,16 @@ def _above_noise_after_all(node: Node, best: Node, problem: Problem) -> bool:
 
 
 def _unexplained_or_ambiguous(node: Node, best: Node, problem: Problem) -> bool:
-    """Where nothing explains the recordings, or an early effect may be another: later ones may correct it."""
+    """Return whether nothing explains the recordings, or an early effect may be wrong and later ones may
+    correct it.
+    """
     if not _is_plain(node, problem):
         return False
     return standing(best, problem) < EXPLAINED or (node is best and _is_ambiguous(node, problem))
 
 
 def _best(node: Node, best: Node, problem: Problem) -> bool:
-    """Of what was found one by one, and is the best."""
+    """Return whether this node comes from forward selection and is the best."""
     return node is best and bool(node.steps) and not node.jointly
 
 
@@ -132,7 +136,7 @@ def _best_with_gap(node: Node, best: Node, problem: Problem) -> bool:
 
 
 def _best_above_noise(node: Node, best: Node, problem: Problem) -> bool:
-    """Where all is explained, as what explains less is not named, and it is not at the noise."""
+    """Return whether this best node explains the data but is not yet at the noise floor."""
     if not _best(node, best, problem) or node.done or node.diverges:
         return False
     return explained(problem.data, problem.start, node.current, node.data) >= POLICY.explained

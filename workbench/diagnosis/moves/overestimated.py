@@ -1,4 +1,4 @@
-"""Overestimated parameters: numbers of the model that are too large, which no effect can reduce.
+"""Overestimated parameters: numbers of the model that are too large, which no added effect can reduce.
 
 An effect adds what is missing. Where links are stated heavier or bearings rougher than they are, its nearest
 to the truth is nothing, and others that bend the same curves come to the fore. Along the measured motion
@@ -42,7 +42,7 @@ class Overestimated:
     at_noise: bool
 
     def plainer_than(self, found: SearchResult) -> bool:
-        """Whether it says hardly less than effects with more parameters.
+        """Return whether it explains nearly as much as effects with more parameters.
 
         Effects that leave nothing but noise have to have some more, and this must leave no more either.
         """
@@ -54,7 +54,7 @@ class Overestimated:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """What to mend in the model's file, in words."""
+        """Return lines that say what to correct in the model's file."""
         told = [
             f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {_unit(key)}".rstrip()
             for key, value, deviation, _ in self.parts
@@ -67,7 +67,7 @@ class Overestimated:
 
 
 def overestimated(found: SearchResult) -> Overestimated | None:
-    """Overestimated parameters of the model, from the torque along the motion; None where there are none."""
+    """Overestimated parameters of the model, from the torque along the motion; None if there are none."""
     data = found.start_data
     if not data.replay.machine_alone or any(scored_torque(r) is None for r in data.recordings):
         return None
@@ -100,7 +100,7 @@ def overestimated(found: SearchResult) -> Overestimated | None:
 
 
 def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
-    """What may be too much, everywhere, each with one column."""
+    """Return what may be too large in the model, in every place, with one column each."""
     columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
     for key in places(linearisation.model):
@@ -115,7 +115,7 @@ def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], lis
 
 
 def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
-    """The solution on all pieces, and its deviation as leaving out one after the other moves it."""
+    """Return the solution on all pieces, and its deviation from leaving out one piece at a time."""
     whole = total(pieces)
     parts = np.array([solve(whole - p) for p in pieces])
     size = len(parts)
@@ -124,5 +124,5 @@ def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _unit(key: EffectKey) -> str:
-    """The unit of an effect's first parameter as it is printed."""
+    """Return the unit of an effect's first parameter as printed."""
     return unit_text(effect_named(key.effect).parameters[0].unit)

@@ -36,7 +36,8 @@ Pair = tuple[Candidate, Candidate]
 
 
 def best_pair(problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Two steps with the pair of effects that explains most, both needed; none where no pair explains much.
+    """Return two steps with the pair of effects that explains most and needs both; none if no pair explains
+    much.
 
     Every pair in every place and shape is solved on one linearisation of the loop; the best are simulated
     and fitted. There are thousands, so that more than the usual should be asked of what they lead to.
@@ -64,21 +65,21 @@ def best_pair(problem: Problem) -> tuple[AcceptedStep, ...]:
 
 
 def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
-    """Whether one effect leaves clearly more than both, in total, or on one axis where a third is missing."""
+    """Whether one effect alone is clearly worse than both, in total, or on one axis if a third is missing."""
     return explains_most(both, alone, data) or improves_an_axis(both, alone, data)
 
 
 def _steps(
     best: Fit, singles: Sequence[Fit], fits: Sequence[tuple[Pair, Fit]], data: Data, start: Fit
 ) -> tuple[AcceptedStep, ...]:
-    """First the effect that does more by itself, then both."""
+    """Return the steps: first the effect that explains more by itself, then both."""
     alone = sorted(zip(best.hypothesis.free, singles, strict=True), key=lambda each: each[1].test_loss)
     keys = [applied.key for applied, _ in alone]
     left = [(applied.key, f.test_loss) for applied, f in alone]
     shares = removed_shares(start.test_loss, left, test_noise_floor(data))
 
     def told(key: EffectKey) -> dict[str, Any]:
-        """Pairs of the other effect with another one than this."""
+        """Return pairs of the other effect with another partner than this one."""
         partner = keys[1] if key == keys[0] else keys[0]
         instead = [
             (c.key, f)
@@ -100,7 +101,7 @@ def _steps(
 
 
 def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair]:
-    """Pairs of effects by what they leave on data that they were not fitted on, the best shapes of each."""
+    """Return pairs of effects by their loss on data they were not fitted on, each in its best shapes."""
     columns, entries = entries_of(linearisation)
     entries = [
         e for e in entries if kinds.free_parameters(effect_named(e.key.effect), linearisation.model) > 0
@@ -135,7 +136,7 @@ def may_stand_together(one: EffectKey, other: EffectKey) -> bool:
 
 
 def left_by(whole: Normal, pairs: Sequence[tuple[Entry, Entry]]) -> np.ndarray:
-    """Squared residual that each pair leaves without bounds, (P,), all solved side by side.
+    """Return the squared residual (P,) of each pair without bounds, all solved together.
 
     Args:
         whole: normal equations of all columns.

@@ -1,4 +1,4 @@
-"""The move that replaces an effect chosen while other causes were missing."""
+"""The move that replaces an effect which was chosen while other causes were still missing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ from .choice import EffectLoss, Explanation, loss_ratios
 
 
 def replaced(node: Node, problem: Problem) -> Iterator[Node]:
-    """Nodes with one effect replaced by another of nearly the same loss, the last effects first.
+    """Return nodes with one effect replaced by another of nearly the same loss, starting with the last
+    effects.
 
     While a delay is missing, a spring in the joint is taken for one at the drive: they can be distinguished
     only once all other causes are in the model. A replacement of the last effect may need one more effect.
@@ -40,7 +41,7 @@ def replaced(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Steps with one effect replaced, each by another one and with all others kept, best first."""
+    """Return steps with one effect replaced by another and all others kept, best first."""
     current, data = node.current, node.data
     keys = [
         key
@@ -71,7 +72,7 @@ def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
 def _step(
     explanation: Explanation, left: Sequence[EffectLoss], step: AcceptedStep, rest: Fit, node: Node
 ) -> AcceptedStep:
-    """The step of one replacement; `left`: test loss of each candidate."""
+    """Return the step of one replacement; `left` holds the test loss of each candidate."""
     (candidate, found), data = explanation, node.data
     found = converged(found, data)
     alike = [key for key, test_loss in left if test_loss <= found.test_loss * (1.0 + POLICY.tie)]

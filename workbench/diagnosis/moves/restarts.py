@@ -1,4 +1,4 @@
-"""Other starts than one effect after the other.
+"""Alternative starts of the search, beside forward selection.
 
 All but one are bold: no data have confirmed by itself what they begin with, and only the end of the search
 that follows can. They yield nodes that are grown one effect at a time before they are judged.
@@ -31,7 +31,7 @@ _PLAIN, _THROUGH = Growth(), Growth(through_divergence=True)
 
 
 def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
-    """A compliance that explains nearly all of the inverse-dynamics residual, from each place on the way.
+    """Return a compliance that explains nearly all of the inverse-dynamics residual, from each accepted step.
 
     Later places have more true causes (friction that hides backlash), and more that only approximate others.
     Inertia alone can explain most of what backlash causes.
@@ -43,14 +43,14 @@ def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def likely_compliance(node: Node, problem: Problem) -> Iterator[Node]:
-    """A compliance that explains most of the inverse-dynamics residual of the model as given."""
+    """Return a compliance that explains most of the inverse-dynamics residual of the model as given."""
     at = node_after((), problem)
     steps = compliance_from_torque(at, problem, POLICY.torque_first, POLICY.torque_plain)
     yield from _begun(at, steps, problem, _THROUGH, wide=False)
 
 
 def on_training(node: Node, problem: Problem) -> Iterator[Node]:
-    """A first effect chosen by cross-validation, where held-out motion is insensitive."""
+    """Return a first effect chosen by cross-validation, if the held-out motion is insensitive."""
     data, start = problem.data, problem.start
     if not holdout_insensitive(start, data):
         return
@@ -63,7 +63,8 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
-    """One effect, or a few that belong together, on all axes that need it, and nothing else; asked once.
+    """Return one effect, or a few that belong together, on every axis that needs it and nothing else; asked
+    once.
 
     They are one of a dozen sets, not of thousands: what explains the data is enough.
     """
@@ -75,12 +76,12 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
-    """The best pair of effects: the best first step may be neither of them."""
+    """Return the best pair of effects: the best first step may be neither of them."""
     yield from _begun(node_after((), problem), best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
-    """Effects that explain the torque along the measured motion, then fitted in the closed loop.
+    """Return effects that explain the torque along the measured motion, then fitted in the closed loop.
 
     A pendulum that swings freely on a cart swings on where its friction is missing: the simulated motion soon
     differs from the measured one, and its sensitivities say nothing. Along the measured motion the friction
@@ -108,13 +109,13 @@ def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _holds(recording: Recording) -> bool:
-    """Whether a loop holds all axes to their reference."""
+    """Return whether a loop holds all axes to their reference."""
     loop = recording.controller
     return loop.kind != "none" and all(loop.kp)
 
 
 def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
-    """The place where a basic effect was taken first that left much more than a refinement did.
+    """Return the step where a basic effect was taken although a refinement left much less error.
 
     An inertia and a weight explain most of what a wrong torque constant and an encoder offset cause.
     Refinements that came later anyway are not begun with where the data are explained.
@@ -131,7 +132,7 @@ def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def what_training_shows(node: Node, problem: Problem) -> Iterator[Node]:
-    """The effect that explains most of the remaining training error, whatever the folds say.
+    """Return the effect that explains most of the remaining training error, whatever the folds say.
 
     Where several causes are missing, one of them alone may raise the error on held-out recordings.
     """
@@ -155,6 +156,6 @@ def _begun(
     *,
     wide: bool = True,
 ) -> Iterator[Node]:
-    """The node with bold steps, not confirmed by any data, to be grown; none without steps."""
+    """The node with provisional steps, which no data have confirmed, ready to grow; none without steps."""
     if steps:
         yield with_steps(at.begun(growth=growth, bold=True), steps, problem.seed, wide=wide)

@@ -1,4 +1,4 @@
-"""Sets of effects that are missing together: solved on one linearised loop, and judged after their fit."""
+"""Sets of effects that are missing together: solved in one linearised loop, and tested after their fit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..significance import cancel_each_other, identifiable
 def solved_together(
     entries: Sequence[Entry], linearisation: Linearisation, whole: Equations
 ) -> tuple[float, tuple[Candidate, ...]]:
-    """What effects leave together on data that they were not fitted on, and each with its coefficients."""
+    """Return the loss of effects on data they were not fitted on, and each effect with its coefficients."""
     test_loss, solution = whole.judged(entries, bounds_of(linearisation, entries))
     parts = np.split(solution, np.cumsum([len(e.linear) for e in entries])[:-1])
     found = (Candidate(e.key, x, e.shape, test_loss) for e, x in zip(entries, parts, strict=True))
@@ -26,7 +26,9 @@ def solved_together(
 
 
 def is_sound(found: Fit, linearisation: Linearisation, data: Data, start: Fit) -> bool:
-    """Whether effects explain most, each of them is identifiable, and none undoes another or the holdout."""
+    """Return whether effects explain most, each is identifiable, and none cancels another or degrades the
+    holdout.
+    """
     return (
         explains_most(found, start, data)
         and identifiable(linearisation, found)

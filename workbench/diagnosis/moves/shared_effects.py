@@ -1,4 +1,4 @@
-"""The move that adds one effect to all axes: joints of one design have the same effects."""
+"""The move that adds one effect to all axes: joints of one design usually share their effects."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.stage is not SignalStage.FR
 
 
 def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Steps with one effect (or a few that belong together) on all axes that need it.
+    """Return steps with one effect (or a few that belong together) on every axis that needs it.
 
     Where each of many axes has a share of the error, no single effect explains enough by itself. Axes that
     fit as well without are left out again.
@@ -74,12 +74,12 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
 
 
 def _other_causes(names: Sequence[str], than: Sequence[str]) -> bool:
-    """Whether none of some effects is one of others, or a refinement of one."""
+    """Return whether none of some effects is, or refines, one of the others."""
     return not set(names) & {*than, *(e.name for e in EFFECTS if set(e.search.contains) & set(than))}
 
 
 def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
-    """The fit with only those effects whose removal raises the loss.
+    """Return the fit with only those effects whose removal raises the loss.
 
     What is least certain goes first, as many at once as do no harm: one by one, a dozen axes with three
     effects each would take hundreds of fits.
@@ -103,7 +103,7 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
 
 
 def _fewer(found: Fit, doubted: Collection[EffectKey] | None) -> Iterator[tuple[AppliedEffect, ...]]:
-    """Its effects without each of the least certain ones, and without as many of them as double each time."""
+    """Return its effects without each of the least certain ones, then without twice as many each time."""
     free = found.hypothesis.free
     certain = {a.key: significance(a) for a in free}
     order = sorted((a.key for a in free if doubted is None or a.key in doubted), key=certain.__getitem__)
@@ -115,7 +115,7 @@ def _fewer(found: Fit, doubted: Collection[EffectKey] | None) -> Iterator[tuple[
 def _promising(
     screened: Sequence[Candidate], linearisation: Linearisation, data: Data, start: Fit, whole: Equations
 ) -> list[tuple[tuple[str, ...], tuple[Candidate, ...]]]:
-    """Sets of effects by their loss on the linearised loop, the best of each kind."""
+    """Return sets of effects by their loss in the linearised loop, the best of each kind."""
     at_drives = {
         (c.key.effect, c.key.axis): c
         for c in screened
@@ -139,7 +139,9 @@ def _sets(
     excess: Mapping[str, float],
     before: float,
 ) -> Iterator[tuple[tuple[str, ...], list[Entry]]]:
-    """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
+    """Return sets of one effect on all axes, or on those that show it: each in its best shape, and all with
+    the same shape.
+    """
     there = {effect for effect, _ in at_drives}
     names = [effect.name for effect in EFFECTS if kinds.shared_by_design(effect) and effect.name in there]
     entries = {
@@ -171,21 +173,23 @@ def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:
-    """Test loss above the noise, by axis (n,)."""
+    """Return the test loss above the noise of each axis (n,)."""
     part = data.tests_on_holdout
     above = np.maximum(data.pool(start.mean_squares, part) - data.least(part), 0.0)
     return dict(zip(data.recordings[0].axes, np.sum(above * data.weight**2, axis=0).tolist(), strict=True))
 
 
 def _least(candidates: Mapping[tuple[str, str], Candidate], names: Sequence[str], axis: str) -> float:
-    """Test loss that the best of these effects would leave by itself on one axis."""
+    """Return the smallest test loss that one of these effects alone would leave on one axis."""
     return min((candidates[n, axis].test_loss for n in names if (n, axis) in candidates), default=np.inf)
 
 
 def _steps(
     best: Fit, others: Sequence[tuple[EffectKey, float]], data: Data, start: Fit
 ) -> tuple[AcceptedStep, ...]:
-    """Steps of the effects, the one that explains most by itself first; `others`: explanations in place."""
+    """Return steps of the effects, the one that explains most by itself first; `others` are alternative
+    explanations.
+    """
     whole = best.hypothesis
     singles = fit([replace(whole, free=(a,)) for a in whole.free], data, iterations=2)
     left = [np.inf if s is None else s.test_loss for s in singles]

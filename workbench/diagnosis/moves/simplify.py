@@ -1,4 +1,6 @@
-"""The move that simplifies: special cases in place of a refinement, and effects that became needless."""
+"""The move that simplifies: it puts special cases in place of refinements and drops effects no longer
+needed.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ from .shared_effects import needed
 
 
 def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
-    """Nodes without an earlier effect that later ones made needless."""
+    """Return nodes without an earlier effect that later effects made needless."""
     last = node.steps[-1]
     for step in node.steps[:-1]:
         rest = without(step, node.current, node.data) if step.added != last.added else None
@@ -38,7 +40,7 @@ def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
-    """The node without effects of its start that the last effect has made needless."""
+    """Return the node without an effect of its alternative start that the last effect made needless."""
     last = node.steps[-1]
     kept = needed(node.current, node.data, node.keys - {last.added})
     idle = sorted(node.keys - kept.hypothesis.keys, key=str)
@@ -49,7 +51,7 @@ def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def simplified(node: Node, problem: Problem) -> Iterator[Node]:
-    """Nodes with special cases in place of a refinement that fit as well."""
+    """Return nodes in which special cases replace a refinement and fit as well."""
     for step in node.steps:
         last = step is node.steps[-1]
         simple = _simpler(step, node, problem, last=last)
@@ -63,7 +65,7 @@ def simplified(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) -> tuple[AcceptedStep, ...]:
-    """Steps with special cases in place of a refinement that was chosen early; none where they fit worse.
+    """Return steps with special cases in place of a refinement that was chosen early; none if they fit worse.
 
     The refinement may have fitted the shape of a cause that was found later. One that has two special cases
     may have stood for both, neither of which was enough by itself.
@@ -101,7 +103,7 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
 
 
 def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
-    """The fit without an effect that became insignificant, or small and useless; None where it is needed.
+    """Return the fit without an effect that became insignificant, or small and useless; None if it is needed.
 
     An effect that shrank when another was added had mostly stood for that one; its small remainder absorbs
     the model error of the later effect.
@@ -127,7 +129,7 @@ def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
 
 
 def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
-    """Whether an effect is much smaller now than in the step that added it."""
+    """Return whether an effect is much smaller now than in the step that added it."""
     taken = next((a for a in step.fit.hypothesis.free if a.key == step.added), applied)
     sizes = sizes_of(applied)
     return all(
@@ -137,7 +139,9 @@ def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
 
 
 def _enough(now: float, without: float) -> float:
-    """Test loss up to which a simpler model is accepted: a tie, or little of what the effect explains."""
+    """Return the test loss up to which a simpler model is accepted: a tie, or a small part of what the effect
+    explains.
+    """
     return max(
         (1.0 + POLICY.tie) * now,
         min((1.0 + POLICY.simpler_loss) * now, now + POLICY.simpler_unseen * (without - now)),
@@ -147,7 +151,9 @@ def _enough(now: float, without: float) -> float:
 def _steps(
     step: AcceptedStep, given_up: EffectKey, chosen: Sequence[Candidate], fits: tuple[Fit, Fit], data: Data
 ) -> tuple[AcceptedStep, ...]:
-    """Steps of the special cases in place of one step; `fits`: without any of them, and with all."""
+    """Return the steps of the special cases in place of one step; `fits` holds the fit without them and the
+    fit with all.
+    """
     rest, found = fits
     keys = [c.key for c in chosen]
     # equivalents of the refinement are none of its special case

@@ -1,4 +1,4 @@
-"""Which screened effects are fitted for the next step, in which order, and how well they fit."""
+"""Trial fits: which screened effects are fitted for the next step, in which order, and how well they fit."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .choice import Explanation
 
 @dataclass(frozen=True)
 class SearchState:
-    """The state of a search that looks for its next effect.
+    """The state of a search that is looking for its next effect.
 
     Attributes:
         linearisation: of the loops about the current fit.
@@ -51,17 +51,17 @@ class SearchState:
 
     @cached_property
     def floor(self) -> float:
-        """Test loss of a perfect model."""
+        """Return the test loss of a perfect model."""
         return test_noise_floor(self.data)
 
     @cached_property
     def excess(self) -> float:
-        """Test loss above that floor."""
+        """Return the excess: test loss above that floor."""
         return max(self.current.test_loss - self.floor, 1e-12)
 
     @cached_property
     def parameter_free(self) -> tuple[Candidate, ...]:
-        """Candidates without free parameters, which the model file states."""
+        """Return candidates without free parameters, whose values the model file states."""
         return tuple(
             c
             for c in self.candidates
@@ -70,12 +70,13 @@ class SearchState:
         )
 
     def parameter_free_helps(self, fits: Sequence[Explanation]) -> bool:
-        """Whether a parameter-free candidate improves the fit."""
+        """Return whether a parameter-free candidate improves the fit."""
         return any(c in self.parameter_free for c, f in fits if improves(f, self.current, self.excess))
 
 
 def try_in_order(at: SearchState) -> list[Explanation]:
-    """Fits of parameter-free candidates, then basic effects, refinements, and compliances, as far as needed.
+    """Return fits of parameter-free candidates, then basic effects, refinements and compliances, as far as
+    needed.
 
     Tier after tier, each best first. A fit at the noise floor ends it. A parameter-free candidate that helps
     makes refinements and compliances needless.
@@ -94,7 +95,7 @@ def try_in_order(at: SearchState) -> list[Explanation]:
 
 
 def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
-    """Basic effects and refinements whose first estimate promises enough, no more than are simulated."""
+    """Basic effects and refinements with a promising first estimate, at most as many as may be simulated."""
     gain = POLICY.later_gain if at.later else POLICY.effect_gain
     needed = POLICY.screened_gain * gain * at.excess
     free = [
@@ -111,7 +112,7 @@ def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
 
 
 def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Explanation]:
-    """Fits of springs and backlash, which are expensive to simulate and seldom needed."""
+    """Return fits of springs and backlash, which are expensive to simulate and seldom needed."""
     at.progress("looking for springs and gaps")
     best = min((f.test_loss for _, f in rigid), default=np.inf)
     late = compliance_candidates(at.linearisation, at.current.test_loss, at.current.hypothesis.free)
@@ -120,7 +121,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Exp
 
 
 def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
-    """Candidates with their fits; what does not run is left out."""
+    """Return candidates with their fits, without those whose simulation fails."""
     at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
     pairs: list[Explanation] = []
     for diverges in (False, True):
@@ -139,14 +140,14 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
 
 
 def _as_read(candidate: Candidate, found: Fit, at: SearchState) -> Fit:
-    """The fit, or the values from the command path, where fitting has moved far away from them."""
+    """Return the fit, or the values from the command path if fitting moved far away from them."""
     if not off_command_path(at.linearisation, candidate, found):
         return found
     return fit([with_candidate(at.linearisation, candidate, at.current)], at.data, 1)[0] or found
 
 
 def _with_sliding_speed(tier: list[Explanation], at: SearchState) -> list[Explanation]:
-    """Fits of a tier; those that may be chosen have their sliding speed tuned."""
+    """Return the fits of a tier; those that may be chosen have their sliding speed tuned."""
     close = POLICY.onset_close * min((f.training_loss for _, f in tier), default=np.inf)
     best = [
         (c, tune_sliding_speed(f, at.data, at.floor) if f.training_loss < close else f)

@@ -1,1 +1,1 @@
-"""What every effect would explain, from one linearisation, before anything is fitted."""
+"""Screening: what every effect would explain, from one linearisation, before anything is fitted."""

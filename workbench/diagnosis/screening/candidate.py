@@ -1,4 +1,4 @@
-"""A candidate: an effect in a place with what it is predicted to leave."""
+"""A candidate: an effect in a place, with the error that it is predicted to leave."""
 
 from __future__ import annotations
 

@@ -24,7 +24,8 @@ _Passed = tuple[np.ndarray, np.ndarray, float] | None
 def by_command_path(
     linearisation: Linearisation, candidates: Iterable[Candidate], without: float
 ) -> list[Candidate]:
-    """Candidates with limits estimated from command and measured torque, where the loop's estimate is worse.
+    """Return candidates with limits estimated from command and measured torque, if the loop's estimate is
+    worse.
 
     A loop that is far beyond a limit is not the linear one that screening closes about its motion: what the
     limit took away would come back many times over. But the command that was logged is the true one. And of
@@ -57,7 +58,7 @@ def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
 
 
 def off_command_path(linearisation: Linearisation, candidate: Candidate, found: Fit) -> bool:
-    """Whether a fit has moved away from the values of a limit that the command path shows, beyond noise.
+    """Return whether a fit moved away from a limit that the command path shows, by more than noise.
 
     A loop at its limit may throw runs about so much that noise rules what fits them best.
     """
@@ -79,7 +80,9 @@ def _far_worse(one: _Passed, other: _Passed) -> bool:
 
 
 def _passed(linearisation: Linearisation, key: EffectKey, shape: Mapping[str, float]) -> _Passed:
-    """None for what is no limit, and where no torque was measured; else all recordings' rows, (N,) each."""
+    """Return all recordings' rows (N,) of command and torque; None for effects that are no limit or without
+    measured torque.
+    """
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     if (
         effect.stage is not SignalStage.COMMAND

@@ -20,7 +20,7 @@ from .sensitivity import Linearisation
 def compliance_candidates(
     linearisation: Linearisation, test_loss: float, found_before: Sequence[AppliedEffect] = ()
 ) -> list[Candidate]:
-    """Compliances that explain part of the residual torque, best first.
+    """Return compliances that explain part of the residual torque, best first.
 
     Args:
         linearisation: of the model so far; those of its recordings that are fitted are used.
@@ -36,7 +36,7 @@ def compliance_candidates(
 
 
 def _shares(linearisation: Linearisation, springs: Sequence[AppliedEffect]) -> list[Candidate]:
-    """Candidates whose `test_loss` is the share of the residual torque that they leave."""
+    """Return candidates whose `test_loss` is the share of the residual torque that they leave."""
     motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.fitted_motions]
 
     def asked(key: EffectKey) -> list[Candidate]:
@@ -72,7 +72,7 @@ def _shares(linearisation: Linearisation, springs: Sequence[AppliedEffect]) -> l
 def _beside(
     springs: Sequence[AppliedEffect], key: EffectKey, linearisation: Linearisation
 ) -> list[Candidate]:
-    """A candidate of one more spring, with the stiffness of the others beside it; else none."""
+    """The candidate with one more spring and the stiffness of all springs fitted together; otherwise none."""
     keys = {a.key for a in springs}
     rigid = replace(
         linearisation.model, effects=tuple(e for e in linearisation.model.effects if e.key not in keys)
@@ -92,7 +92,7 @@ def _beside(
 
 
 def _without_own_compliance(motion: Motion, model: Model) -> Motion:
-    """The motion without the torque of the model's own compliances: inverse dynamics are rigid."""
+    """Return the motion without the torque of the model's own compliances: inverse dynamics are rigid."""
     for effect, place, shape in giving_way(model):
         offset = effect.response(motion, model, place, shape).offset
         motion = replace(motion, required=_less(motion, offset / motion.gain))
@@ -104,7 +104,8 @@ def _less(motion: Motion, torque: np.ndarray) -> Callable[[Model], np.ndarray]:
 
 
 def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
-    """The equivalent place at the drive of a place at the joint, if one drive alone turns it; else None.
+    """Return the place at the drive that is equivalent to a place at the joint, if a single drive turns it;
+    otherwise None.
 
     With a linkage in the model they differ: its crank and coupler are on the link side of a spring at the
     drive, and on the motor side of one at the joint.
@@ -119,12 +120,12 @@ def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
 
 
 def equivalents_at_joint(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
-    """Places at the joint that are equivalent to this one at a drive."""
+    """Return places at the joint that are equivalent to this one at a drive."""
     pin = EffectKey(key.effect, key.axis, "joint")
     return (pin,) if key.location == "actuator" and equivalent_at_drive(model, pin) == key else ()
 
 
 def other_causes(model: Model, key: EffectKey, keys: Iterable[EffectKey]) -> tuple[EffectKey, ...]:
-    """Those of `keys` that are another cause, not an equivalent of `key` at the joint."""
+    """Return those of `keys` that are another cause, not an equivalent of `key` at the joint."""
     same = equivalents_at_joint(model, key)
     return tuple(other for other in keys if other not in same)

@@ -1,4 +1,4 @@
-"""Normal equations of effects: what each leaves of the data, fitted and left out."""
+"""Normal equations of effects: what each leaves of the data, both fitted and left out."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BLOCK = 64  # columns propagated together
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An effect of one shape: the numbers of its columns, and the effect of one unit."""
+    """An effect of one shape: the indices of its columns, and the effect at unit size."""
 
     key: EffectKey
     shape: Mapping[str, float]
@@ -32,7 +32,7 @@ class Entry:
 
 
 def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
-    """Physical bounds of an entry's coefficients."""
+    """Return physical bounds of an entry's coefficients."""
     place = Placement.of(linearisation.model, entry.key)
     bounds = effect_named(entry.key.effect).parameters.bounds(linearisation.model, place, entry.shape)
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
@@ -41,7 +41,7 @@ def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, n
 def bounds_of(
     linearisation: Linearisation, entries: Sequence[Entry], kept: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Physical bounds of the coefficients of entries, behind unknowns without any, `kept` in number."""
+    """Physical bounds of the coefficients of entries, after the first `kept` unknowns, which have none."""
     limits = [
         (np.full(kept, -np.inf), np.full(kept, np.inf)),
         *(limits_of(linearisation, e) for e in entries),
@@ -51,7 +51,9 @@ def bounds_of(
 
 @dataclass(frozen=True)
 class Equations:
-    """Normal equations of effects in their shapes: of each training fold, and of held-out data that judge."""
+    """Normal equations of effects in their shapes: of each training fold, and of the held-out data for the
+    test.
+    """
 
     entries: tuple[Entry, ...]
     pieces: list[Normal]
@@ -63,7 +65,8 @@ class Equations:
         bounds: tuple[np.ndarray | float, np.ndarray | float] = (-np.inf, np.inf),
         kept: Sequence[int] = (),
     ) -> tuple[float, np.ndarray]:
-        """Mean square left on held-out data (or across folds), and the solution on all training data.
+        """Return the mean square left on held-out data (or across folds), and the solution on all training
+        data.
 
         Args:
             entries: effects that are fitted together.
@@ -92,7 +95,7 @@ def equations(
     entries: Sequence[Entry],
     data: Data,
 ) -> Equations:
-    """Normal equations of the columns of entries.
+    """Return normal equations of the columns of entries.
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
@@ -102,7 +105,7 @@ def equations(
 def responses(
     linearisation: Linearisation, known: list[np.ndarray], columns: list[SensitivityColumn], data: Data
 ) -> list[np.ndarray]:
-    """Weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
+    """Return weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
     parts = [
         propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
         for k in range(0, len(columns), _BLOCK)
@@ -114,7 +117,7 @@ def responses(
 def equations_of(
     changes: Sequence[np.ndarray], entries: Sequence[Entry], data: Data, simulated: Sequence[Recording]
 ) -> Equations:
-    """The same from `responses`."""
+    """Return normal equations from `responses`."""
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None

@@ -1,4 +1,4 @@
-"""Effects that have several forms: a link whose centre is elsewhere, or that is heavier where it is."""
+"""Effects that have several forms, such as a link whose centre is elsewhere or that is heavier."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .torque_regression import Chosen, Regression
 
 
 def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
-    """New effects, each in that of its forms that leaves least on data that were not fitted.
+    """Return new effects, each in the form that leaves least on data that were not fitted.
 
     A heavier link and one whose centre is elsewhere explain nearly the same on their own axis.
     """
@@ -19,7 +19,8 @@ def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
 
 
 def reformed(now: Selection, regression: Regression) -> Selection:
-    """With each effect in its best form beside all others, and in one form rather than two effects.
+    """Return the selection with each effect in its best form beside all others, and one form instead of two
+    effects.
 
     A payload and a lighter link are together a link whose centre is elsewhere.
     """
@@ -39,7 +40,7 @@ def reformed(now: Selection, regression: Regression) -> Selection:
 
 
 def _explains_as_much(fewer: Selection, now: Selection, without: Chosen, regression: Regression) -> bool:
-    """Whether a selection explains nearly all that some effects of another do, on every axis."""
+    """Return whether a selection explains nearly all that some effects of another explain, on every axis."""
     bare = regression.solved(tuple(e for e in now.chosen if e not in without))
     special, whole = (gain_of(s.solution, bare, regression) for s in (fewer, now))
     return bool((whole - special < POLICY.effect_gain).all())

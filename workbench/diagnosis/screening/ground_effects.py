@@ -1,4 +1,4 @@
-"""Effects of the ground and of the feet, which are no torque along a motion."""
+"""Effects of the ground and the feet, which are not torques along a motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to 
 
 
 def by_runs(linearisation: Linearisation, data: Data) -> list[Candidate]:
-    """Candidates of ground contact and foot position, from measured forces, by simulation.
+    """Return candidates of ground contact and foot position, from measured forces, by simulation.
 
     They are no torque along a motion. Where forces were not recorded, these effects are in
     `unobservable_effects`.
@@ -45,7 +45,7 @@ def by_runs(linearisation: Linearisation, data: Data) -> list[Candidate]:
 
 
 def _starts(key: EffectKey, linearisation: Linearisation) -> list[tuple[np.ndarray, Mapping[str, float]]]:
-    """Coefficients and shapes to begin with; none where feet show nothing of it."""
+    """Return starting coefficients and shapes; none if the feet show nothing of the effect."""
     effect = effect_named(key.effect)
     if isinstance(effect, OnGround):
         shapes = effect.initial_values(linearisation.fitted_motions)
@@ -54,7 +54,7 @@ def _starts(key: EffectKey, linearisation: Linearisation) -> list[tuple[np.ndarr
 
 
 def unobservable_effects(linearisation: Linearisation) -> list[EffectKey]:
-    """Effects that this kind of replay, or the recorded ground forces, cannot show."""
+    """Return effects that this kind of replay, or the recorded ground forces, cannot show."""
     out, replay = [], linearisation.data.replay
     for key in places(linearisation.model):
         effect = effect_named(key.effect)

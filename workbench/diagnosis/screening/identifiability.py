@@ -1,4 +1,5 @@
-"""Identifiability: which effects the recordings can distinguish, from sensitivities, before any search.
+"""Identifiability: which effects the recordings can distinguish, computed from sensitivities before any
+search.
 
 All effects in all places are columns of one linear problem about the model's runs. What noise does to an
 estimate follows from them, alone and beside any other effect (L. Ljung, System Identification, 1999, ch. 9).
@@ -25,7 +26,7 @@ from .sensitivity import Linearisation
 
 
 def identifiability_of(linear: Linear, linearisation: Linearisation) -> Identifiability:
-    """Which effects the recordings can tell apart at a small size, and how well each would be known."""
+    """Which effects of small size the recordings can tell apart, and how precisely each would be known."""
     shows = [linear.shown(e) >= POLICY.significant for e in linear.entries]
     excited = [e for e, shown in zip(linear.entries, shows, strict=True) if shown]
     silent = [e.key for e, shown in zip(linear.entries, shows, strict=True) if not shown]
@@ -40,7 +41,7 @@ def identifiability_of(linear: Linear, linearisation: Linearisation) -> Identifi
 
 
 def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, ...], ...]:
-    """Effects of which one stands for the other, and the other for the one; those linked are one group."""
+    """Return groups of effects that can replace each other; effects linked by a third form one group."""
     sets: dict[EffectKey, set[EffectKey]] = {e.key: {e.key} for e in excited}
     for one, other in combinations(excited, 2):
         related = linear.correlation(columns_of(one), columns_of(other)) >= POLICY.related
@@ -56,7 +57,7 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
 
 
 def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Mapping[str, Estimate]:
-    """Of a small effect, fitted alone: its parameters with the deviations that noise gives them.
+    """Return the expected parameters of a small effect fitted alone, with deviations due to noise.
 
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
@@ -79,7 +80,7 @@ def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Map
 
 
 def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]:
-    """Effects that stand for one of the size that it was found with, and it for them."""
+    """Return effects that can replace one of the found size, and that it can replace."""
     coefficients = effect_named(applied.key.effect).parameters.to_coefficients(applied.values)[0]
     alike = [e for e in linear.entries if e.key == applied.key and len(e.linear) == len(coefficients)]
     if not alike:
@@ -99,7 +100,7 @@ def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]
 
 
 def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:
-    """Of the effect that explains each recording best by itself: sizes that differ from one to another.
+    """Return, for the effect that best explains each recording alone, sizes that differ between recordings.
 
     A recording that is nearly explained as it is, beside the others, says that the effect is none there. What
     stays unexplained of a recording makes its size as uncertain as if as much again hid behind the effect.
@@ -128,7 +129,8 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
 
 
 def _by_recording(linear: Linear, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Sizes of an effect by recording, their deviations, and what is left above the noise, (R,) each.
+    """Return sizes of an effect by recording, their deviations, and the error left above the noise, (R,)
+    each.
 
     None where a recording shows nothing of it.
     """

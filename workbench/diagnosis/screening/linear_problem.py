@@ -1,4 +1,4 @@
-"""Every effect in every place as columns of one linear problem, with what noise does to it."""
+"""Every effect in every place as columns of one linear problem, with the influence of noise."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ _SAME_TOLERANCE = 1e-9  # share of a column that others leave where they are the
 
 
 class Linear:
-    """Every effect in its middling shape, and normal equations of all columns by training recording.
+    """Every effect with mid-range shape parameters, and normal equations of all columns by training
+    recording.
 
     Attributes:
         entries: one for each effect in each place.
@@ -39,7 +40,9 @@ class Linear:
         white: float,
         equations: Equations | None = None,
     ) -> None:
-        """`scattered`: covariance of the right side by noise; `white`: mean square of noise in one value."""
+        """`scattered`: covariance of the right-hand side due to noise; `white`: mean square of noise in one
+        value.
+        """
         self.own, self.quiet, self.equations = tuple(own), quiet, equations
         self._gram, self._noise, self._white = total(self.own).gram, scattered, white
         shapes: dict[EffectKey, list[Entry]] = {}
@@ -50,15 +53,15 @@ class Linear:
 
     @property
     def excess(self) -> np.ndarray:
-        """Squared residual of each recording above the noise, (R,)."""
+        """Return the squared residual of each recording above the noise, (R,)."""
         return np.array([p.square for p in self.own]) - self.quiet
 
     def small(self, entry: Entry) -> float:
-        """Coefficient of an effect of a share `small_effect` of the torque."""
+        """Return the coefficient at which an effect has the share `small_effect` of the torque."""
         return POLICY.small_effect / entry.strength
 
     def covariance(self, index: Sequence[int]) -> np.ndarray:
-        """Of the coefficients of some columns that are fitted together, by noise alone."""
+        """The covariance, due to noise alone, of the coefficients of columns that are fitted together."""
         inverse = self._inverse(index)
         return inverse @ self._noise[np.ix_(index, index)] @ inverse
 
@@ -69,12 +72,12 @@ class Linear:
         return inverse / np.outer(size, size)
 
     def shown(self, entry: Entry) -> float:
-        """In how many deviations a small effect shows, beyond its own simpler parts."""
+        """Return how many deviations a small effect is from zero, beside its own special cases."""
         own = columns_of(entry)
         return self._beyond(own[-1], own[:-1], entry) if own else 0.0
 
     def differs(self, entry: Entry, other: Entry) -> float:
-        """In how many deviations the part of a small effect shows that differs most from another effect."""
+        """How many deviations separate a small effect from another effect, in the part that differs most."""
         return max(self._beyond(k, columns_of(other), entry) for k in columns_of(entry))
 
     def _beyond(self, column: int, others: Sequence[int], entry: Entry) -> float:
@@ -92,18 +95,18 @@ class Linear:
         return float(self.small(entry) / np.sqrt(max(variance, 1e-300)))
 
     def correlation(self, one: Sequence[int], other: Sequence[int]) -> float:
-        """The largest of any column of one effect with any of another, without sign."""
+        """Return the largest absolute correlation of any column of one effect with any column of another."""
         size = np.sqrt(np.maximum(np.outer(np.diag(self._gram)[one], np.diag(self._gram)[other]), 1e-300))
         return float(np.max(np.abs(self._gram[np.ix_(one, other)]) / size, initial=0.0))
 
 
 def columns_of(entry: Entry) -> list[int]:
-    """The columns of an effect; of one without coefficients what it does as a whole."""
+    """Return the columns of an effect; for an effect without coefficients, its total contribution."""
     return entry.linear or ([entry.fixed] if entry.fixed is not None else [])
 
 
 def linear_of(linearisation: Linearisation) -> Linear:
-    """All effects as they travel round the loops of the recordings."""
+    """Return the problem of all effects as they propagate round the loops of the recordings."""
     data, (columns, entries) = linearisation.data, entries_of(linearisation)
     changes = responses(linearisation, [], columns, data)
     known = equations_of(changes, entries, data, linearisation.runs)
@@ -118,13 +121,13 @@ def linear_of(linearisation: Linearisation) -> Linear:
 
 
 def is_too_large(linearisation: Linearisation) -> bool:
-    """Whether responses of all effects to all rows could not be held."""
+    """Return whether the responses of all effects at all rows would not fit into memory."""
     values = sum(run.signals["position"].size for run in linearisation.runs[: linearisation.data.training])
     return 2 * values * len(places(linearisation.model)) > POLICY.pair_values
 
 
 def linear_along(regression: Regression) -> Linear:
-    """All effects that are torques, along the measured motion of the training recordings."""
+    """The problem of all effects that are torques, along the measured motion of the training recordings."""
     own: dict[int, Normal] = {}
     data = regression.linearisation.data
     quiet = np.zeros(data.training)

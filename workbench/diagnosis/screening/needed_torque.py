@@ -1,4 +1,4 @@
-"""The torque that a model needs along the measured motion, and the rows of it that are looked at."""
+"""The torque that a model needs along the measured motion, and the rows of it that are used."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind i
 
 
 def kept_rows(linearisation: Linearisation, index: int) -> np.ndarray:
-    """Rows of a recording that hold all that the filter lets through, (M,)."""
+    """Return the rows (M,) of a recording that keep everything that the filter passes."""
     corner = linearisation.loops[index].reading.corner_hz
     step = max(1, int(1.0 / (_PER_CYCLE * corner * linearisation.data.recordings[index].period)))
     return np.arange(0, len(linearisation.data.recordings[index]), step)
 
 
 def needing(linearisation: Linearisation) -> list[Motion]:
-    """The motions with the torque that the model needs for them in place of that measured.
+    """Return the motions with the torque that the model needs for them in place of the measured one.
 
     What is made of a measured torque explains it by itself wherever the model needs little.
     """

@@ -18,7 +18,7 @@ def propagate_sensitivities(
     columns: Sequence[Sequence[SensitivityColumn | FiniteDifference]],
     data: Data,
 ) -> list[list[np.ndarray]]:
-    """Weighted sensitivities of the scored signals, of all linearisations in one batch.
+    """Return weighted sensitivities of the scored signals, for all linearisations in one batch.
 
     Args:
         linearisations: S of them.
@@ -53,7 +53,7 @@ def propagate_sensitivities(
 def _propagated(
     linearisations: Sequence[Linearisation], columns: Sequence[Sequence[SensitivityColumn]], data: Data
 ) -> list[list[np.ndarray]]:
-    """Position and torque, (N, 2, n, C) per linearisation and recording, unweighted."""
+    """Return unweighted position and torque sensitivities, (N, 2, n, C) per linearisation and recording."""
     width = max((len(c) for c in columns), default=0)
     loops, disturbances = [], []
     for linearisation, own in zip(linearisations, columns, strict=True):
@@ -84,7 +84,7 @@ def _empty(run: Recording) -> np.ndarray:
 def _tried(
     linearisations: Sequence[Linearisation], trials: Sequence[Sequence[FiniteDifference]], data: Data
 ) -> list[list[np.ndarray]]:
-    """The same by finite differences of simulations, in one batch; zero for models that do not run."""
+    """The same from finite differences of simulations, in one batch; zero for models that fail to run."""
     asked = [t.model for own in trials for t in own]
     runs = data.run(asked, len(linearisations[0].runs)) if asked else []
     made = iter([r for own in runs for r in own])

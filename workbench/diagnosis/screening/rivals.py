@@ -1,4 +1,4 @@
-"""Other effects that explain the torque as well as one effect does, beside all others."""
+"""Alternatives: other effects that explain the torque as well as one effect does, beside all others."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from .torque_regression import Regression
 def rivals_of(
     regression: Regression, chosen: Sequence[Entry], entry: Entry
 ) -> tuple[tuple[tuple[EffectKey, float], ...], tuple[EffectKey, ...]]:
-    """Loss ratios of other effects that stand for one, on its axis, and those indistinguishable from it.
+    """Return loss ratios of the effects that could replace one on its axis, and those indistinguishable from
+    it.
 
     Args:
         regression: the linear problem.
@@ -38,7 +39,8 @@ def rivals_of(
 
 
 def _stands_for(regression: Regression, chosen: Sequence[Entry], entry: Entry, other: Entry) -> bool:
-    """Whether beside another effect one has little left to explain of what it explains without.
+    """Return whether an effect has little left to explain beside another, compared with what it explains
+    alone.
 
     Where much stays unknown, what explains another part of it removes as much, and is no other name for it.
     """

@@ -30,7 +30,7 @@ def screen(
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
 ) -> list[Candidate]:
-    """All effects that could be added to the linearised model, with their predicted test loss.
+    """Return all effects that could be added to the linearised model, with their predicted test loss.
 
     Args:
         linearisation: model, motions and loops on all recordings of `data`.
@@ -68,7 +68,7 @@ def screen(
 def _blocks(
     linearisation: Linearisation, first: int, asked: Iterable[EffectKey], size: int
 ) -> Iterator[tuple[list[SensitivityColumn], list[Entry]]]:
-    """Effects in their places, in all shapes, in blocks of `size` columns that are numbered from `first`."""
+    """Return effects in all places and shapes, in blocks of `size` columns numbered from `first`."""
     columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
     sizes = sizes_of(linearisation)
@@ -93,18 +93,18 @@ def _blocks(
 
 
 def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
-    """All effects in all places and shapes, with their columns."""
+    """Return all effects in all places and shapes, with their columns."""
     return next(_blocks(linearisation, 0, places(linearisation.model), 10**9))
 
 
 def _size(parts: Sequence[np.ndarray | None]) -> float:
-    """Root mean square of all that is there."""
+    """Return the root mean square of all values that are present."""
     there = [np.mean(p**2) for p in parts if p is not None]
     return float(np.sqrt(np.mean(there))) if there else 0.0
 
 
 def sizes_of(linearisation: Linearisation) -> tuple[float, float, float]:
-    """Of the motors' torque, of the motion and of its rate."""
+    """Return the sizes of the motors' torque, of the motion and of its rate."""
     motor = _size([m.torque for m in linearisation.motions])
     if not linearisation.data.replay.driven:  # then what accelerates the mechanism stands for the motor's
         motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in linearisation.motions])
@@ -113,7 +113,7 @@ def sizes_of(linearisation: Linearisation) -> tuple[float, float, float]:
 
 
 def strength_of(columns: list[SensitivityColumn], sizes: tuple[float, float, float]) -> float:
-    """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
+    """The strength of the largest column per unit: torque over motor torque, or reading over motion."""
     motor, moved, rate = (max(x, 1e-300) for x in sizes)
     shares = [
         max(

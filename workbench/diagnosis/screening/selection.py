@@ -1,4 +1,4 @@
-"""Effects chosen together on the torque along measured motions: what they gain, and what they cost."""
+"""Sets of effects chosen together on the torque along measured motions: their gain and their cost."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .torque_regression import Chosen, Regression, Solution
 
 @dataclass(frozen=True)
 class Selection:
-    """What is chosen, in its order, with the fit of all of it."""
+    """The chosen effects in the order of choice, with the fit of all of them."""
 
     chosen: Chosen
     solution: Solution
 
     def candidates(self) -> list[Candidate]:
-        """Each effect with its coefficients."""
+        """Return each effect with its coefficients."""
         out, first = [], 0
         for entry in self.chosen:
             own = self.solution.coefficients[first : first + len(entry.linear)]
@@ -31,17 +31,17 @@ class Selection:
 
 
 def selection_of(chosen: Chosen, regression: Regression) -> Selection:
-    """A choice with its fit."""
+    """Return a selection with its fit."""
     return Selection(chosen, regression.solved(chosen))
 
 
 def with_new(chosen: Chosen, new: Chosen) -> Chosen:
-    """With further effects, in place of those that these have as special cases."""
+    """Return the selection with further effects, which replace their own special cases."""
     return (*(e for e in chosen if not any(contains(n.key, e.key) for n in new)), *new)
 
 
 def gain_of(found: Solution, before: Solution, regression: Regression) -> np.ndarray:
-    """Share of the excess of each axis that is removed, the smaller of training and test, (n,).
+    """Return the share of the excess of each axis that is removed (n,), the smaller of training and test.
 
     Axes where noise is all there is gain nothing.
     """
@@ -55,18 +55,18 @@ def gain_of(found: Solution, before: Solution, regression: Regression) -> np.nda
 
 
 def promised_gain(chosen: Chosen, before: Selection, regression: Regression) -> np.ndarray:
-    """The same by what is left of the data that were fitted (n,); other data seldom show more of it."""
+    """Return the same share for the fitted data alone (n,); other data seldom show more."""
     removed = regression.left(before.chosen) - regression.left(chosen)
     return removed / _excess(before.solution.validated, regression.floor)
 
 
 def _excess(loss: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """A loss above the noise, (n,); an axis that does not count has no floor."""
+    """Return a loss above the noise (n,); an axis that does not count has no floor."""
     return np.maximum(loss - floor, np.maximum(1e-3 * floor, 1e-300))
 
 
 def cost_of(new: Chosen) -> tuple[int, int]:
-    """Free parameters, refinements."""
+    """Return the number of free parameters and of refinements."""
     effects = [effect_named(e.key.effect) for e in new]
     free = sum(len(e.linear) + len(f.parameters.nonlinear) for e, f in zip(new, effects, strict=True))
     return free, sum(map(kinds.tier_of, effects))

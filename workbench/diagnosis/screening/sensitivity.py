@@ -1,4 +1,4 @@
-"""Sensitivity columns: what each unknown changes in torques, commands and readings along the motions."""
+"""Sensitivity columns: how each unknown changes torques, commands and readings along the motions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Part = tuple[np.ndarray | None, ...]
 
 @dataclass(frozen=True)
 class SensitivityColumn:
-    """The column of one unknown in every recording, in actuator coordinates; None where it changes nothing.
+    """The column of one unknown in every recording, in actuator coordinates; None where it has no influence.
 
     `torque` on the mechanism (N, n), `tap` and `command` (N, n), `reading` (2, N, n), as in `Disturbance`.
     """
@@ -39,7 +39,9 @@ class SensitivityColumn:
 
 @dataclass(frozen=True)
 class FiniteDifference:
-    """One unknown with a derivative by simulation: a model with a little more of it, and how much more."""
+    """One unknown whose derivative needs a simulation: the model with a small change of it, and the size of
+    that change.
+    """
 
     model: Model
     change: float
@@ -65,7 +67,7 @@ class Linearisation:
 
     @staticmethod
     def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Linearisation:
-        """The first `count` recordings of `data` with a model's runs of them."""
+        """The linearisation about the first `count` recordings of `data` and a model's runs of them."""
         return Linearisation(model, data, tuple(simulated[:count]))
 
     @cached_property
@@ -74,7 +76,7 @@ class Linearisation:
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The simulated (or measured) motion of each recording."""
+        """Return the simulated (or measured) motion of each recording."""
 
         def one(index: int, run: Recording) -> Motion:
             return self.data.replay.motion(self._plant, index, run)
@@ -83,12 +85,12 @@ class Linearisation:
 
     @property
     def fitted_motions(self) -> tuple[Motion, ...]:
-        """Those of the recordings that are fitted."""
+        """Return the motions of the recordings that are fitted."""
         return self.motions[: self.data.training]
 
     @cached_property
     def loops(self) -> tuple[Any, ...]:
-        """The linearised loop of each recording."""
+        """Return the linearised loop of each recording."""
 
         def one(index: int, motion: Motion) -> Any:
             return self.data.replay.loop(self._plant, index, motion)
@@ -97,12 +99,12 @@ class Linearisation:
 
     @property
     def has_compliance(self) -> bool:
-        """Whether the model has compliances, so that a torque on the links is not one on the motors."""
+        """Return whether the model has compliances, so that torques on links and on motors differ."""
         return any(isinstance(effect_named(e.key.effect), Compliance) for e in self.model.effects)
 
     @cached_property
     def has_stiction(self) -> bool:
-        """Whether dry friction holds a coordinate at rest for long.
+        """Return whether dry friction holds a coordinate at rest for long.
 
         Small torques do not move it then, and a loop linearised about such a motion is wrong.
         """
@@ -117,7 +119,8 @@ class Linearisation:
     def columns(
         self, key: EffectKey, shape: Mapping[str, float], motions: Sequence[Motion] | None = None
     ) -> tuple[list[SensitivityColumn], SensitivityColumn | None]:
-        """All linear columns of an effect and its fixed part, evaluating it once a recording.
+        """Return all linear columns of an effect and its fixed part; the effect is evaluated once for each
+        recording.
 
         `motions`: in place of those of the model.
         """
@@ -146,14 +149,15 @@ class Linearisation:
     def total(
         self, applied: AppliedEffect, values: Mapping[str, float], motions: Sequence[Motion] | None = None
     ) -> SensitivityColumn:
-        """The column of an effect with given parameter values."""
+        """Return the column of an effect with given parameter values."""
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.parameters.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape, motions)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[SensitivityColumn | FiniteDifference]:
-        """Derivatives of an effect of the model by each coefficient, then each nonlinear parameter.
+        """Return derivatives of an effect of the model: by each coefficient, then by each nonlinear
+        parameter.
 
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
@@ -188,7 +192,7 @@ class Linearisation:
         return out
 
     def _trials(self, applied: AppliedEffect) -> list[FiniteDifference]:
-        """Finite differences of each unknown of an effect, by `_PROBE_STEP` of it, within its bounds."""
+        """Finite differences of each unknown of an effect, with steps of `_PROBE_STEP` within its bounds."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
         coefficients, shape = effect.parameters.to_coefficients(applied.values)
         lower, upper = effect.parameters.bounds(self.model, place, shape)
@@ -212,7 +216,9 @@ class Linearisation:
 
 
 def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
-    """Size of each unknown (k,); of coefficients in one unit the largest: nothing has no size of its own."""
+    """Return the size of each unknown (k,); coefficients in one unit share the largest, because a zero has no
+    size of its own.
+    """
     units = [p.unit for p in effect.parameters if p.name not in effect.parameters.nonlinear][: len(values)]
     sizes = np.abs(values)
     for unit in set(units):
@@ -222,7 +228,7 @@ def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
 
 
 def combine(columns: Sequence[SensitivityColumn], factors: Sequence[float]) -> SensitivityColumn:
-    """Linear combination of columns."""
+    """Return a linear combination of columns."""
 
     def mixed(parts: Sequence[Part]) -> Part:
         out: list[np.ndarray | None] = []

@@ -1,4 +1,4 @@
-"""Forward selection with removal on the torque along measured motions: many effects on many axes together."""
+"""Forward selection with removal on the torque along measured motions, for many effects on many axes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from .torque_regression import Chosen, Regression, Solution
 
 
 def selected(regression: Regression) -> Selection:
-    """The selection by adding effects while one removes enough on an axis, and removing needless ones.
+    """Return the selection: effects are added while one removes enough on an axis, and needless ones are
+    removed.
 
     Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
@@ -47,7 +48,7 @@ def _selected_from(start: Chosen, regression: Regression) -> Selection:
 
 
 def _one_make(regression: Regression) -> list[Chosen]:
-    """One linear effect at all drives, for each that drives of one make may have alike."""
+    """Return one linear effect at all drives, for each effect that drives of one design may share."""
     model = regression.linearisation.model
     out: dict[str, dict[str, Entry]] = {}
     for entry in (*regression.entries, *regression.gains):
@@ -58,14 +59,14 @@ def _one_make(regression: Regression) -> list[Chosen]:
 
 
 def _explains_more(group: Chosen, than: Chosen, regression: Regression) -> bool:
-    """Whether a group explains more than the first of other effects, of as many parameters."""
+    """Return whether a group explains more than the first of other effects, with as many parameters."""
     first = tuple(e for k, e in enumerate(than) if cost_of(than[: k + 1])[0] <= cost_of(group)[0])
     left = [float(regression.solved(s).test_loss.sum()) for s in (group, first)]
     return left[0] < left[1]
 
 
 def _grown(now: Selection, regression: Regression) -> Selection:
-    """With all that helps, one after the other."""
+    """Return the selection with all effects that help, added one at a time."""
     proposals = [*((e,) for e in regression.entries), *_sets_of_basics(regression.entries)]
     gains: dict[Chosen, np.ndarray] = {}
     while True:
@@ -93,7 +94,7 @@ def _grown(now: Selection, regression: Regression) -> Selection:
 
 
 def _gain(new: Chosen, now: Selection, regression: Regression) -> np.ndarray:
-    """The gain of some new effects on each axis (n,); none where the fit itself promises too little of it."""
+    """Return the gain of some new effects on each axis (n,); zero if the fit itself promises too little."""
     chosen = with_new(now.chosen, new)
     promised = promised_gain(chosen, now, regression)
     if not (promised > POLICY.screened_gain * _least(new, regression)).any():
@@ -104,14 +105,14 @@ def _gain(new: Chosen, now: Selection, regression: Regression) -> np.ndarray:
 
 
 def _is_small(new: Chosen, found: Solution) -> bool:
-    """Whether another one of a kind is so small that it may mend the shape of those before it."""
+    """Whether a further effect of a kind is so small that it may only correct the shape of earlier ones."""
     (*_, last) = new
     size = float(np.linalg.norm(found.coefficients[len(found.coefficients) - len(last.linear) :]))
     return last.key.copy > 1 and size * last.strength < POLICY.small_effect
 
 
 def _more_of_a_kind(chosen: Chosen, regression: Regression) -> list[Chosen]:
-    """Another one beside each effect that repeats, as a further harmonic."""
+    """Return a further effect beside each one that may repeat, such as another harmonic."""
     out = []
     for last in chosen:
         kin = [e for e in chosen if e.key.same_place(last.key)]
@@ -121,7 +122,7 @@ def _more_of_a_kind(chosen: Chosen, regression: Regression) -> list[Chosen]:
 
 
 def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
-    """Of what helps the axis that gains most the fewest parameters that gain nearly as much.
+    """Return, for the axis that gains most, the effects with fewest parameters that gain nearly as much.
 
     Basic effects go before others that gain somewhat more.
     """
@@ -137,7 +138,7 @@ def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
 
 
 def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
-    """Whether special cases of an effect, which are there, explain nearly all that it does.
+    """Return whether special cases already present explain nearly all that an effect explains.
 
     Where it leads to the noise it is more than they are. Friction that sets in softly is still Coulomb
     friction as long as the rest has other causes.
@@ -160,7 +161,7 @@ def _basic(new: Chosen) -> bool:
 
 
 def fits_in(new: Chosen, chosen: Chosen) -> bool:
-    """Whether none of some new effects is there already, in this or in another form."""
+    """Return whether none of some new effects is already present, in this or another form."""
     return all(
         n.key != e.key and not contains(e.key, n.key) and (contains(n.key, e.key) or _apart(n, e))
         for n in new
@@ -174,7 +175,7 @@ def _apart(one: Entry, other: Entry) -> bool:
 
 
 def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
-    """Basic effects at one place, in twos and threes."""
+    """Return sets of two and three basic effects in one place."""
     basic = [e for e in entries if effect_named(e.key.effect).search.basic and e.key.axis is not None]
     basic.sort(key=lambda e: (str(e.key.axis), e.key.location))
     places = [list(own) for _, own in groupby(basic, lambda e: (e.key.axis, e.key.location))]
@@ -182,8 +183,9 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
 
 
 def _least(new: Chosen, regression: Regression) -> float:
-    """The least gain on an axis for which effects are added: little for basic ones, and for more of what is
-    in the model, as a further harmonic of its ripple is."""
+    """Return the smallest gain on an axis for which effects are added: low for basic effects, and for more of
+    what the model has (such as another harmonic of its ripple).
+    """
     known = _basic(new) or all(
         e.key.copy > 1 or any(e.key.same_place(k) for k in regression.own) for e in new
     )
@@ -191,7 +193,8 @@ def _least(new: Chosen, regression: Regression) -> float:
 
 
 def _one_for_several(now: Selection, regression: Regression) -> Selection:
-    """With one effect that explains as much in place of the same effect on several axes.
+    """Return the selection with one shared effect in place of the same effect on several axes, if it explains
+    as much.
 
     A mass that several drives carry is a rotor of each of them, where nothing turns and nothing is lifted.
     """
@@ -211,13 +214,13 @@ def _one_for_several(now: Selection, regression: Regression) -> Selection:
 
 
 def _is_as_good(one: Solution, other: Solution) -> bool:
-    """Whether it leaves no more than the other on any axis, but for a tie."""
+    """Return whether it leaves no more than the other on any axis, up to a tie."""
     pairs = (one.test_loss, other.test_loss), (one.validated, other.validated)
     return all(bool(np.all(a <= (1.0 + POLICY.tie) * b)) for a, b in pairs)
 
 
 def _without_needless(now: Selection, regression: Regression) -> Selection:
-    """Without effects that the others together have made needless, the most needless first."""
+    """The selection without effects that the others made needless; the most needless is removed first."""
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
         fewer = [selection_of(r, regression) for r in rest]

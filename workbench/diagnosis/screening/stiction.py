@@ -1,4 +1,4 @@
-"""Dry friction screened along the measured motion, where it holds the machine at rest for long.
+"""Screening of dry friction along the measured motion, when it holds the machine at rest for long.
 
 While friction holds, a torque changes nothing, and a loop that is linearised says the opposite. Along the
 motion that was measured it is seen plainly: rows that stand still do not count, the others tell the torque.
@@ -26,7 +26,7 @@ from .sensitivity import Linearisation
 
 
 def has_long_standstill(recordings: Sequence[Recording]) -> bool:
-    """Whether an axis stands still for a good part of recordings, whatever holds it."""
+    """Return whether an axis stands still for a large part of the recordings, whatever holds it."""
     change = np.concatenate([np.abs(np.diff(r.position, axis=0)) for r in recordings])
     still = change < POLICY.still_step * np.sqrt(np.mean(change**2, axis=0))
     return bool((np.mean(still, axis=0) > POLICY.still_rows).any())
@@ -35,7 +35,8 @@ def has_long_standstill(recordings: Sequence[Recording]) -> bool:
 def candidates(
     linearisation: Linearisation, current: Fit, data: Data, seed: int, whole: Equations | None = None
 ) -> tuple[Candidate, ...]:
-    """Every effect screened in the loop; dry friction along the measured motion, where that explains more.
+    """Return every effect screened in the loop, or dry friction along the measured motion if that explains
+    more.
 
     Screening in the loop is enough where machines are seldom at rest, torque was not recorded, or some effect
     explains the data anyway.
@@ -69,7 +70,7 @@ def candidates(
     scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
-        """The candidate with the smaller excess; noise along the motion differs from that in the loop."""
+        """The candidate with the smaller excess: the noise along the motion differs from that in the loop."""
         test_loss = floor + scale * max(other.test_loss - floor_along, 0.0)
         return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 

@@ -1,4 +1,4 @@
-"""The columns of the regression: what every effect would add to the torque, filtered as the residual is."""
+"""Columns of the regression: what every effect would add to the torque, filtered as the residual is."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _BLOCK = 64  # columns that are filtered together
 
 
 def regression_of(start: Fit, data: Data) -> Regression:
-    """All effects that are torques along the motion, in all places and shapes.
+    """Return a regression over all effects that are torques along the motion, in all places and shapes.
 
     Args:
         start: the model as it is.
@@ -104,14 +104,16 @@ def regression_of(start: Fit, data: Data) -> Regression:
 
 
 def _is_a_gain(key: EffectKey, linearisation: Linearisation, shape: Values) -> bool:
-    """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
+    """Whether an effect scales the measured torque: scaling it down always shrinks the residual as well."""
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     idle = replace(linearisation.motions[0], torque=np.zeros_like(linearisation.motions[0].torque))
     return not np.any(effect.response(idle, linearisation.model, place, shape).columns)
 
 
 def _by_axis(columns: np.ndarray, residual: np.ndarray) -> tuple[Normal, ...]:
-    """Normal equations of each axis, from columns (N, n, C), most of which act on one, and (N, n)."""
+    """Return normal equations of each axis, from columns (N, n, C), most of which act on one axis, and
+    residuals (N, n).
+    """
     out = []
     for k in range(residual.shape[1]):
         x, y = columns[:, k], residual[:, k]

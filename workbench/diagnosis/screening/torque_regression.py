@@ -84,17 +84,19 @@ class Regression:
         }
 
     def axes_of(self, entry: Entry) -> frozenset[int]:
-        """The axes on which an effect acts."""
+        """Return the axes on which an effect acts."""
         return self._acts[entry]
 
     def forms(self, entry: Entry) -> list[Entry]:
-        """An effect itself, and its special cases or what it is one of, in the same place."""
+        """An effect, its special cases, and the effects of which it is a special case, in the same place."""
         special = effect_named(entry.key.effect).parameters.is_special
         alike = [e for e in self.entries if e.key == entry.key and special(e.shape) != special(entry.shape)]
         return [entry, *alike]
 
     def copies(self, kin: Sequence[Entry]) -> list[Entry]:
-        """What may stand beside some effects of a kind in one place: shapes that can be told from theirs."""
+        """Return further effects of a kind in one place, with shapes that can be distinguished from those
+        present.
+        """
         entry = kin[-1]
         repeats = effect_named(entry.key.effect).search.repeats
         place = Placement.of(self.linearisation.model, entry.key)
@@ -115,14 +117,14 @@ class Regression:
         return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
 
     def left(self, chosen: Sequence[Entry]) -> np.ndarray:
-        """Mean square that a set of effects leaves on what it is fitted to, per axis (n,)."""
+        """Return the mean square per axis (n,) that a set of effects leaves on the data it is fitted to."""
         left = np.array([axis.square / axis.samples for axis in self._axes])
         for axes, own in self._apart(chosen):
             left[axes] = self._fit(own, axes)[1]
         return left
 
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
-        """The fit of a set of effects, within their physical bounds, with its loss on other data.
+        """Return the fit of a set of effects within physical bounds, with its loss on other data.
 
         `without`: effects that the model states and that are taken out of it. Effects that share no axis, not
         through others either, are solved apart.
@@ -140,7 +142,7 @@ class Regression:
         return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, test_loss)
 
     def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
-        """Groups of effects that act on no axis in common, with their axes, without what acts on none."""
+        """Groups of effects that share no axis, with their axes; effects that act on no axis are dropped."""
         groups: list[tuple[set[int], set[Entry]]] = []
         for entry in filter(self.axes_of, chosen):
             axes, own = set(self.axes_of(entry)), {entry}
@@ -151,13 +153,13 @@ class Regression:
         return [(sorted(axes), tuple(e for e in chosen if e in own)) for axes, own in groups]
 
     def _part(self, chosen: Chosen, axes: Sequence[int]) -> Solution:
-        """The fit of effects on all of their axes, remembered."""
+        """Return the (cached) fit of effects on all of their axes."""
         if chosen not in self._parts:
             self._parts[chosen] = self._solved(chosen, axes, ())
         return self._parts[chosen]
 
     def _fit(self, chosen: Chosen, axes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Coefficients of effects (C,) and the mean square left on each of their axes, remembered."""
+        """Return the (cached) coefficients of effects (C,) and the mean square left on each of their axes."""
         if chosen not in self._fits:
             pieces = [self._axes[k].pick(_columns(chosen)) for k in axes]
             coefficients = solve(total(pieces), *self._limits(chosen))
@@ -166,7 +168,9 @@ class Regression:
         return self._fits[chosen]
 
     def _solved(self, chosen: Chosen, axes: Sequence[int], without: Sequence[EffectKey]) -> Solution:
-        """The fit on some axes, all that the effects act on; `validated` and `test_loss` of these."""
+        """Return the fit on some axes, which must be all that the effects act on, with `validated` and
+        `test_loss` of these axes.
+        """
         index, limits = _columns(chosen), self._limits(chosen)
         out = [self.own[key] for key in without]
 
@@ -193,7 +197,7 @@ def _columns(chosen: Chosen) -> list[int]:
 
 
 def _taken_out(piece: Normal, columns: Sequence[int]) -> Normal:
-    """With what these columns explain back in the residual."""
+    """Return the regression with the contribution of these columns added back to the residual."""
     for k in columns:
         square = piece.square + 2.0 * piece.right[k] + piece.gram[k, k]
         piece = Normal(piece.gram, piece.right + piece.gram[:, k], float(square), piece.samples)

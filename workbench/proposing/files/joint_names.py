@@ -1,4 +1,4 @@
-"""Names of joints that stand in the rows of a log: one a column of numbers, or one a row."""
+"""Names of joints that stand in the rows of a log: one per column of numbers, or one per row."""
 
 from __future__ import annotations
 

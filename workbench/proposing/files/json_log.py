@@ -1,4 +1,4 @@
-"""Logs in JSON: a list of records, lists by name, or one record a line; what is nested becomes ``a.b``."""
+"""Logs in JSON: a list of records, lists by name, or one record per line; what is nested becomes ``a.b``."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def read_json(path: Path) -> Table:
         raise InputError("is not readable JSON", file=path, remedy="check that the file is whole") from error
     found = sorted(_tables("", content, 0), key=lambda rows: -len(rows[1]))
     if not found:
-        remedy = "give a list of records, lists of numbers by name, or one record a line"
+        remedy = "give a list of records, lists of numbers by name, or one record per line"
         raise InputError("holds no list of eight records or numbers", file=path, remedy=remedy)
     where, rows = found[0]
     names = list(dict.fromkeys(name for row in rows for name in row))
@@ -56,7 +56,7 @@ def read_json(path: Path) -> Table:
         else:
             columns[name] = numbers
     if not columns:
-        raise InputError("holds no numbers", file=path, remedy="give one record a sample")
+        raise InputError("holds no numbers", file=path, remedy="give one record per sample")
     table = named_by_text(Table(path, columns), names, texts)
     joints = of_list(columns, dict(_name_lists("", content, 0)))
     table = replace(table, joints={**joints, **table.joints})

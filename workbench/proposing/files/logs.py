@@ -1,4 +1,4 @@
-"""MCAP files and ROS 2 bags: one series a topic, one column a joint and quantity."""
+"""MCAP files and ROS 2 bags: one series per topic, one column per joint and quantity."""
 
 from __future__ import annotations
 

@@ -148,7 +148,7 @@ def _columns(
         else:
             out[name] = values
     if not out:
-        raise InputError("has no column of numbers", file=path, remedy="give one row a sample")
+        raise InputError("has no column of numbers", file=path, remedy="give one row per sample")
     return out, text, exact, notes
 
 

@@ -70,7 +70,7 @@ def find_style(lines: list[str], encoding: str, path: Path) -> Style:
         raise InputError(
             "has no two columns of numbers with one separator between them",
             file=path,
-            remedy="give one row a sample, two columns or more",
+            remedy="give one row per sample, two columns or more",
         )
     return best[1]
 

@@ -1,4 +1,4 @@
-"""Files read in a process of their own: what reads them can crash, and must not take this one along."""
+"""Files read in a separate process, because their readers may crash."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SILENCE_S = 60.0  # of CPU time without a word: a file whose blocks refer to eac
 
 
 def mf4_messages(path: Path) -> Generator[can.Message]:
-    """The data frames of an MF4 log by time.
+    """Return the data frames of an MF4 log by time.
 
     Raises:
         NotImplementedError: asammdf, which reads them, is not installed.
@@ -46,7 +46,8 @@ def mf4_messages(path: Path) -> Generator[can.Message]:
 
 
 def matlab_arrays(path: Path, names: Sequence[str] = ()) -> dict[str, np.ndarray | None]:
-    """Arrays of a MATLAB file up to version 7 by name, ``struct.field`` of structs; None: not of numbers.
+    """Return arrays of a MATLAB file up to version 7 by name (``struct.field`` in structs); None if not
+    numbers.
 
     Args:
         path: the file.
@@ -76,7 +77,7 @@ def matlab_arrays(path: Path, names: Sequence[str] = ()) -> dict[str, np.ndarray
 
 
 def _read(kind: str, path: Path, *words: str) -> Generator[bytes]:
-    """What the program says of a file; the limit on memory that holds here holds there too."""
+    """Return what the program read from a file, under the memory limit of this process."""
     # it finds the packages that this process finds, wherever they are
     places = os.pathsep.join(each for each in sys.path if each)
     process = subprocess.Popen(
@@ -108,7 +109,7 @@ def _read(kind: str, path: Path, *words: str) -> Generator[bytes]:
 
 
 def _ended(code: int) -> str:
-    """Why a process that was not done has ended."""
+    """Return why an unfinished process has ended."""
     if code == -signal.SIGPROF:
         return f"reading it does not end ({SILENCE_S:g} s without progress)"
     try:

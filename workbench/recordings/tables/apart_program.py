@@ -1,4 +1,5 @@
-"""Run as a program of its own: what is in an MF4 log or a MATLAB file, piece by piece on standard output.
+"""A program of its own that writes the content of an MF4 log or a MATLAB file, in pieces, to standard
+output.
 
 What reads them (asammdf, scipy) is compiled in part, and a damaged file can crash it. So it runs in a process
 of its own, which knows nothing of workbench and starts quickly; `apart` starts it and reads what it says.
@@ -23,7 +24,7 @@ _LONGEST = 4000  # letters of an error's text
 
 
 def frames(path: str, _: Sequence[str]) -> Iterator[bytes]:
-    """The data frames of an MF4 log, some at a time."""
+    """Yield the data frames of an MF4 log, some at a time."""
     import can
 
     _leave_formulas_alone()
@@ -45,7 +46,7 @@ def frames(path: str, _: Sequence[str]) -> Iterator[bytes]:
 
 
 def arrays(path: str, names: Sequence[str]) -> Iterator[bytes]:
-    """Name and array of each variable and each field of a struct; of what is no array of numbers its name."""
+    """Yield name and array of each variable and struct field; only the name if it is no array of numbers."""
     from scipy.io import loadmat, whosmat
     from scipy.io.matlab import matfile_version
 
@@ -60,7 +61,7 @@ def arrays(path: str, names: Sequence[str]) -> Iterator[bytes]:
 
 
 def _check_ends(path: str) -> None:
-    """Variables end within the file; scipy takes one that does not for the last.
+    """Check that every variable ends within the file; scipy would read a cut one without complaint.
 
     Source: MathWorks, "MAT-File Format", chapter 1 (version 5).
     """
@@ -88,7 +89,7 @@ def _walk(name: str, value: Any, depth: int) -> Iterator[bytes]:
 
 
 def _leave_formulas_alone() -> None:
-    """Refuse channels that a formula converts: asammdf hands its text to `eval`, whatever is in it."""
+    """Refuse channels that a formula converts, because asammdf passes its text to `eval`."""
     try:
         from asammdf.blocks import v2_v3_blocks, v4_blocks
     except ImportError as error:
@@ -105,7 +106,7 @@ def _leave_formulas_alone() -> None:
 
 
 def main() -> None:
-    """Read the file that is named, with the seconds of silence; what the libraries say goes nowhere."""
+    """Read the file named on the command line; messages of the libraries are discarded."""
     kind, path, silence, *words = sys.argv[1:]
     signal.signal(signal.SIGPROF, signal.SIG_DFL)  # which ends a process even in compiled code
     signal.setitimer(signal.ITIMER_PROF, float(silence))

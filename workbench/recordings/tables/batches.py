@@ -1,4 +1,4 @@
-"""A table piece by piece, for logs that are longer than memory."""
+"""Tables read in pieces, for logs that do not fit into memory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STREAMED = (".parquet", ".csv", ".csv.gz")
 
 
 def count_rows(path: Path) -> int:
-    """Rows of a table that is read piece by piece, lines of a CSV file without its first."""
+    """Return the number of rows of a table that is read in pieces: lines of a CSV file minus its header."""
     try:
         if path.name.lower().endswith(".parquet"):
             with pq.ParquetFile(path) as file:
@@ -41,7 +41,7 @@ def count_rows(path: Path) -> int:
 
 
 def read_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-    """The named columns from the first row to the last, some thousand rows at a time.
+    """Yield the named columns from the first row to the last, some thousand rows at a time.
 
     Args:
         path: a table that ends in one of `STREAMED`.

@@ -1,4 +1,4 @@
-"""BLF logs whose objects end behind their beginning: python-can's reader goes round others for ever.
+"""BLF logs with damaged ends: python-can's reader would never finish reading them.
 
 By hand, for at an object of no size it gives the same frame again and again: no limit on time or silence
 tells that from a long log.
@@ -16,7 +16,7 @@ _CONTAINER, _PACKING, _DEFLATED = 10, 16, 2  # kind; bytes before what it contai
 
 
 def check_blf(path: Path) -> None:
-    """Walk through all objects of a log, those in containers too.
+    """Check all objects of a log, including those in containers.
 
     Raises:
         ValueError, struct.error, zlib.error: it is no BLF, or an object is shorter than its own header.
@@ -37,7 +37,7 @@ def check_blf(path: Path) -> None:
 
 
 def _walk(data: bytes) -> bytes:
-    """Objects one after the other; what is left of one that goes on in the next container."""
+    """Walk over the objects; returns what is left of one that continues in the next container."""
     at = 0
     while True:
         found = data.find(b"LOBJ", at, at + 8)

@@ -1,4 +1,4 @@
-"""Logs of a CAN bus (candump .log, .blf, .asc, .mf4), decoded by the DBC that lies beside them."""
+"""Logs of a CAN bus (candump .log, .blf, .asc, .mf4), decoded by the DBC file beside them."""
 
 from __future__ import annotations
 
@@ -62,7 +62,8 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def sent_signals(path: Path) -> dict[str, str]:
-    """Signals of the DBC that stand in a log at least twice: column name -> unit, empty where none is stated.
+    """Return signals of the DBC that occur at least twice in a log: column name -> unit (empty if none is
+    stated).
 
     Raises:
         InputError: no DBC, or a log that cannot be read.
@@ -79,7 +80,7 @@ def sent_signals(path: Path) -> dict[str, str]:
 
 
 def _at(rows: np.ndarray, stamps: list[float], values: list[float], half: float) -> np.ndarray:
-    """A signal at the rows' times (N,); NaN where it has no frame within `half` of a row [s]."""
+    """Return a signal at the rows' times (N,); NaN if it has no frame within `half` of a row [s]."""
     t, first = np.unique(np.array(stamps), return_index=True)
     x = np.array(values)[first]
     right = np.clip(np.searchsorted(t, rows), 1, len(t) - 1)
@@ -109,7 +110,7 @@ def _decode(message: can.Message, signals: dict[str, Any], series: dict[str, Any
 
 
 def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]:
-    """Channel (None: any), message and signal name of a column."""
+    """Return channel (None: any), message and signal name of a column."""
     channel, _, rest = column.rpartition("/")
     message, _, signal = rest.rpartition(".")
     found = [
@@ -127,7 +128,7 @@ def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]
 
 
 def dbc_of(path: Path) -> Path | None:
-    """The DBC that a log is read by: of its own name, or else the only one beside it."""
+    """Return the DBC of a log: the one of the same name, or else the only one beside it."""
     own, others = path.with_suffix(".dbc"), sorted(path.parent.glob("*.dbc"))
     return own if own.is_file() else others[0] if len(others) == 1 else None
 
@@ -152,7 +153,7 @@ def _database(path: Path) -> Any:
 
 @contextlib.contextmanager
 def _whole() -> Iterator[None]:
-    """What a reader of logs leaves out with a warning is refused: a recording has no silent gaps."""
+    """Refuse a log from which its reader skipped something with a warning: a recording has no silent gaps."""
     log, keep = logging.getLogger("can.io"), logging.Handler(logging.WARNING)
     before, keep.emit = (log.handlers, log.propagate), _refuse
     log.handlers, log.propagate = [keep], False
@@ -168,7 +169,7 @@ def _refuse(record: logging.LogRecord) -> None:
 
 
 def _messages(path: Path) -> Iterator[can.Message]:
-    """The data frames of a log."""
+    """Yield the data frames of a log."""
     import can  # takes seconds to load, and most tables are no logs
 
     try:

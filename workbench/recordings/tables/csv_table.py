@@ -28,7 +28,7 @@ def read_csv(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def csv_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-    """The same piece by piece, from the first row to the last."""
+    """Yield the same in pieces, from the first row to the last."""
     width, separator, places = separated_columns(path, columns)
     done = 0
     try:
@@ -53,7 +53,7 @@ def csv_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np.nda
 
 
 def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
-    """How many columns a file has, what separates them, and the places of those that are wanted.
+    """Return the number of columns, their separator, and the positions of the wanted columns.
 
     Raises:
         InputError: no readable header, or a column is missing.
@@ -67,7 +67,7 @@ def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dic
 
 
 def _cells(texts: Sequence[str], path: Path, column: str, first: int) -> np.ndarray:
-    """Numbers (K,) of a column's cells, of which the first stands in row `first`."""
+    """Return the numbers (K,) of a column's cells; the first cell is in row `first`."""
     return np.array([_cell(text, path, column, k) for k, text in enumerate(texts, first)], float)
 
 

@@ -1,4 +1,4 @@
-"""Columns as floats, without what is slow to load."""
+"""Columns as floats, without slow imports."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pyarrow as pa
 
 
 def floats(column: pa.ChunkedArray | pa.Array) -> np.ndarray:
-    """Numbers (N,) of a column, a copy; null is NaN."""
+    """Return the numbers (N,) of a column as a copy; null is NaN."""
     numbers = pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
     if not numbers or column.null_count or not len(column):
         return np.array(column.to_numpy(zero_copy_only=False), dtype=float)

@@ -17,7 +17,7 @@ _COLUMN = re.compile(r"(?P<path>[^\[\]]+?)\s*(?:\[(?P<index>\d+)\])?")
 
 
 def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
-    """Read the named columns; see `read_table`. Of a 2-D array the longer side is time."""
+    """Read the named columns; see `read_table`. The longer side of a 2-D array is time."""
     data = matlab_arrays(path, [re.split(r"[.\[]", column)[0].strip() for column in columns])
     return {column: _extract(data, column, path) for column in columns}
 

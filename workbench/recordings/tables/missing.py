@@ -1,4 +1,4 @@
-"""The one way in which a missing column is reported."""
+"""The error for a missing column."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from workbench.core import InputError
 
 
 def missing_column(column: str, known: Iterable[str], path: Path) -> InputError:
-    """An error that names the column, and the closest one that the table has."""
+    """Return an error that names the column and the closest existing one."""
     known = [str(k) for k in known]
     close = get_close_matches(column, known, n=1, cutoff=0.5)
     shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")

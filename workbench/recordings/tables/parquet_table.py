@@ -24,7 +24,7 @@ def read_parquet(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def parquet_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-    """The same piece by piece, from the first row to the last."""
+    """Yield the same in pieces, from the first row to the last."""
     try:
         # pages as they come: a writer may have put the whole log into one group of rows
         with pq.ParquetFile(path, pre_buffer=False, buffer_size=1 << 16) as file:
@@ -42,7 +42,7 @@ def parquet_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np
 
 
 def as_floats(array: pa.ChunkedArray | pa.Array, path: Path, column: str) -> np.ndarray:
-    """Numbers of a column; null is NaN.
+    """Return the numbers of a column; null is NaN.
 
     Raises:
         InputError: it holds something else.

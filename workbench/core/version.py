@@ -1,0 +1,6 @@
+"""The version of the workbench; `pyproject.toml` reads it from here.
+
+It is stated in the code and not asked of the installed package: on an index the package has another name.
+"""
+
+VERSION = "0.1.0"
