@@ -141,9 +141,8 @@ def times_noise(error: float, noise: float) -> str:
     ratio = error / noise if noise > 0 else math.nan
     if not math.isfinite(ratio):
         return ""
-    return (
-        f"{ratio:.2f} times" if ratio < 2 else f"{ratio:.1f} times" if ratio < 100 else f"{ratio:.0f} times"
-    )
+    digits = 2 if ratio < 2 else 1 if ratio < 100 else 0
+    return f"{ratio:.{digits}f} times"
 
 
 def share_phrase(share: Share) -> str:
@@ -177,8 +176,7 @@ def comparison_sentence(result: Comparison) -> str:
             "measured motion. Check the order of the axes, units, signs and gains."
         )
     if result.outlier is not None and result.error <= 1.06 * result.noise_error:
-        worst = outlier_phrase(result.outlier)
-        return f"The model does not explain the data: {worst}. The error as a whole is at the floor."
+        return f"The model does not explain the data: {outlier_phrase(result.outlier)}. The error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
 
 

@@ -114,10 +114,18 @@ def test_a_body_at_the_centre_of_a_link_is_not_told_from_its_mass(tmp_path: Path
     assert like_others(regression, selection_of((entry,), regression)) == {entry.key}
 
 
-def test_torque_constants_of_drives_of_one_make_are_as_many_numbers(tmp_path: Path) -> None:
-    """All give 0.85 of what is measured: no masses, rotors and frictions of all axes."""
+@pytest.mark.parametrize("friction", [0.0, 3.0])
+def test_torque_constants_of_drives_of_one_make_are_as_many_numbers(friction: float, tmp_path: Path) -> None:
+    """All give 0.85 of what is measured: no masses, rotors and frictions of all axes stand for it."""
+
+    def resisting(_: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        return -friction * np.array([0.0, 1.0, 0.0]) * np.tanh(speed / 0.002)
+
     machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model"))
-    logs = [logged(machine, tones, seconds=4.0, seed=k) for k, tones in enumerate((SLOW, FAST))]
+    logs = [
+        logged(machine, tones, seconds=4.0, seed=k, resisting=resisting)
+        for k, tones in enumerate((SLOW, FAST))
+    ]
     scaled = [
         replace(r, signals=r.signals | {"torque_measured": r.signals["torque_measured"] / 0.85}) for r in logs
     ]
@@ -125,4 +133,6 @@ def test_torque_constants_of_drives_of_one_make_are_as_many_numbers(tmp_path: Pa
     assert inverse_dynamics is not None
     (*_, regression) = inverse_dynamics
     chosen = {(e.key.effect, e.key.axis) for e in selected(regression).chosen}
-    assert chosen == {("torque_constant_error", axis) for axis in model.axes}
+    assert {("torque_constant_error", axis) for axis in model.axes} <= chosen
+    others = {(effect, axis) for effect, axis in chosen if effect != "torque_constant_error"}
+    assert {axis for _, axis in others} == ({"lift"} if friction else set())

@@ -23,24 +23,26 @@ def selected(regression: Regression) -> Selection:
 
     Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
-    come first. Where drives of one make have the same alike, many others together explain it too: such
-    a beginning is tried as well, and kept if it takes fewer parameters.
+    come first. Where drives of one make have the same alike, many others together explain it too. If it takes
+    fewer of these beside that, that is tried as a beginning, and kept if it takes fewer parameters.
     """
-    best = _selected_from((), regression)
+    first = _selected_from((), regression)
+    good = [first]
     for group in _one_make(regression):
-        if len(group) >= len(best.chosen) or not _explains_more(group, best.chosen, regression):
-            continue
-        other = _selected_from(group, regression)
-        if cost_of(other.chosen) < cost_of(best.chosen) and _is_as_good(other.solution, best.solution):
-            best = other
-    return best
+        of_these = _grown(selection_of(group, regression), regression, first.chosen)
+        if cost_of(of_these.chosen) < cost_of(first.chosen):
+            other = _selected_from(group, regression)
+            # what the others explain beside it is held to what any later effects are held to
+            if (gain_of(first.solution, other.solution, regression) < POLICY.later_gain).all():
+                good.append(other)
+    return min(good, key=lambda s: (cost_of(s.chosen), float(s.solution.test_loss.sum())))
 
 
 def _selected_from(start: Chosen, regression: Regression) -> Selection:
     now, visited = selection_of(start, regression), set[frozenset[Entry]]()
     while frozenset(now.chosen) not in visited:
         visited.add(frozenset(now.chosen))
-        grown = _grown(now, regression)
+        grown = _grown(now, regression, regression.entries)
         now = _one_for_several(_without_needless(reformed(grown, regression), regression), regression)
         if len(now.chosen) == len(grown.chosen):
             break
@@ -58,16 +60,9 @@ def _one_make(regression: Regression) -> list[Chosen]:
     return [tuple(own.values()) for own in out.values() if 1 < len(own) == len(model.driven)]
 
 
-def _explains_more(group: Chosen, than: Chosen, regression: Regression) -> bool:
-    """Return whether a group explains more than the first of other effects, with as many parameters."""
-    first = tuple(e for k, e in enumerate(than) if cost_of(than[: k + 1])[0] <= cost_of(group)[0])
-    left = [float(regression.solved(s).test_loss.sum()) for s in (group, first)]
-    return left[0] < left[1]
-
-
-def _grown(now: Selection, regression: Regression) -> Selection:
-    """Return the selection with all effects that help, added one at a time."""
-    proposals = [*((e,) for e in regression.entries), *_sets_of_basics(regression.entries)]
+def _grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
+    """Return the selection with all of some effects that help, added one at a time."""
+    proposals = [*((e,) for e in entries), *_sets_of_basics(entries)]
     gains: dict[Chosen, np.ndarray] = {}
     while True:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
