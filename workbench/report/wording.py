@@ -153,8 +153,7 @@ def share_phrase(share: Share) -> str:
 
 def range_phrase(share: Share) -> str:
     """Where, as an adverbial: ``"at speeds of −1 to 1 rad/s"``."""
-    low, high = share.range
-    unit = plain(share.unit)
+    (low, high), unit = share.range, plain(share.unit)
     span = f"{short(low)} to {short(high)} {unit}"
     if low == -math.inf or high == math.inf:
         span = f"above {short(low)} {unit}" if high == math.inf else f"below {short(high)} {unit}"
@@ -176,7 +175,8 @@ def comparison_sentence(result: Comparison) -> str:
             "measured motion. Check the order of the axes, units, signs and gains."
         )
     if result.outlier is not None and result.error <= 1.06 * result.noise_error:
-        return f"The model does not explain the data: {outlier_phrase(result.outlier)}. The error as a whole is at the floor."
+        worst = outlier_phrase(result.outlier)
+        return f"The model does not explain the data: {worst}. The error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
 
 
