@@ -69,4 +69,4 @@ def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> No
 def test_a_torque_bias_is_said_to_be_perhaps_a_weight_that_is_not_looked_for(tmp_path: Path) -> None:
     found = improve(MODEL, runs(heavier(tmp_path, "0.065", "0.165")))[0].diagnosis
     assert found is not None and [f.key.effect for f in found.findings] == ["torque_bias"]
-    assert any("may be the weight of a crank or rod" in n for n in found.notes)
+    assert any("may instead come from a crank or rod" in n for n in found.notes)

@@ -59,7 +59,7 @@ def test_a_spring_that_rests_elsewhere(tmp_path: Path) -> None:
     (finding,) = found.findings
     assert (finding.key.effect, finding.key.axis) == ("torque_bias", "bend")
     assert finding.parameters["torque"].value == pytest.approx(0.6, rel=0.05)
-    assert any("rests 0.1" in note for note in found.notes)
+    assert any("rest position of the model's spring there: 0.1" in note for note in found.notes)
 
 
 def patch(position: np.ndarray, speed: np.ndarray) -> np.ndarray:

@@ -135,9 +135,9 @@ def model_of(record: dict[str, Any], path: Path) -> str:
     Raises:
         InputError: no such model is there, or several are.
     """
-    files, beside = set(record["files"]), set[str]()
+    files, beside, folder = set(record["files"]), set[str](), path.absolute().parent
     for name in sorted(n for n in files if Path(n).suffix in (".toml", ".xml", ".urdf")):
-        for file in (path.with_name(name), Path(name).stem):
+        for file in (folder / name, Path(name).stem):
             try:
                 model = read_model(file)
             except InputError:  # a tree or mechanism that the model is made of, or a file that is elsewhere
