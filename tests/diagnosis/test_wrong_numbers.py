@@ -118,3 +118,30 @@ def test_the_mass_of_a_link_in_the_middle_is_one_number(tmp_path: Path) -> None:
     assert finding.parameters["along"].value == pytest.approx(-0.7 * 0.14, rel=0.02)
     assert (finding.number, finding.model_value) == ("mass", 2.0)
     assert finding.total is not None and finding.total.value == pytest.approx(1.3, rel=0.02)
+
+
+def test_a_mass_with_its_inertia_is_one_number(tmp_path: Path) -> None:
+    """Of a wrong density; a constant torque of the axis before it would stand in for the inertia."""
+    found = told(tmp_path, upper_mass=3.6, upper_inertia=0.033, upper_roll=0.006)
+    (finding,) = found.findings
+    assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "lift")
+    assert finding.parameters["inertia"].value == pytest.approx(-0.011, rel=0.05)
+    assert (finding.number, finding.model_value) == ("mass", 3.6)
+    assert finding.total is not None and finding.total.value == pytest.approx(2.4, rel=0.02)
+
+
+def test_the_mass_of_the_first_link_is_one_number(tmp_path: Path) -> None:
+    """Its centre elsewhere and another rotor explain the same with two."""
+    level = {"yaw_x": 1.0, "yaw_z": 0.0, "turret_centre": 0.2}
+    found = told(tmp_path, true=level, **level, turret_mass=5.0)
+    (finding,) = found.findings
+    assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "yaw")
+    assert (finding.number, finding.model_value) == ("mass", 5.0)
+    assert finding.total is not None and finding.total.value == pytest.approx(3.0, rel=0.02)
+
+
+def test_all_inertia_of_a_link_is_one_number(tmp_path: Path) -> None:
+    """Two rotors would do nearly the same: the link's own and that of the axis which swings it."""
+    (finding,) = told(tmp_path, fore_inertia=0.08, fore_roll=0.035).findings
+    assert (finding.key.effect, finding.key.axis) == ("link_inertia_error", "bend")
+    assert finding.total is not None and finding.total.value == pytest.approx(0.032, rel=0.05)

@@ -40,41 +40,78 @@ def test_columns_are_the_change_of_the_torque_that_is_needed(tmp_path: Path, eff
         np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * size + 1e-9)
 
 
-def shape_of_mass(motion: Motion, model: Model, axis: str) -> dict[str, float]:
-    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", axis))
-    (_, shape) = effect.parameters.shapes([motion], model, place)
-    return dict(shape)
-
-
-@pytest.mark.parametrize("axis", AXES[1:])
-@pytest.mark.parametrize("off", [0.0, 0.05])
-def test_the_column_of_a_mass_is_the_change_of_the_torque_that_is_needed(
-    tmp_path: Path, axis: str, off: float
-) -> None:
-    model, log = (
-        load_model(bench_arm(tmp_path, fore_across=0.03)),
-        logged(bench_arm(tmp_path), FAST, seconds=3.0),
-    )
+def forms(model: Model, effect: str, axis: str) -> tuple[Motion, list[dict[str, float]]]:
+    """A motion of the arm, and the causes that a search asks for there."""
+    log = logged(model.serial, FAST, seconds=3.0)
     replay = replay_of(model, [log])
     motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
-    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", axis))
-    shape = shape_of_mass(motion, model, axis)
-    shape["lever"] += off
-    (column,) = effect.response(motion, model, place, shape).columns
-    values = [effect.parameters.to_values(np.array([h]), shape) for h in (1e-4, -1e-4)]
-    more, less = (motion.required(having(model, effect.name, axis, **v)) for v in values)
+    place = Placement.of(model, EffectKey("", axis))
+    return motion, [dict(shape) for shape in effect_named(effect).parameters.shapes([motion], model, place)]
+
+
+def assert_column_is_the_change(
+    motion: Motion, model: Model, effect: str, axis: str, shape: dict[str, float]
+) -> None:
+    """What a form says that the drives have to do more is what the model with a little of it needs more."""
+    kind, place = effect_named(effect), Placement.of(model, EffectKey("", axis))
+    (column,) = kind.response(motion, model, place, shape).columns
+    values = [kind.parameters.to_values(np.array([h]), shape) for h in (1e-4, -1e-4)]
+    more, less = (motion.required(having(model, effect, axis, **v)) for v in values)
     slope = (more - less) / 2e-4
     np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * np.abs(slope).max() + 1e-9)
 
 
-def test_only_a_link_that_other_axes_move_may_be_heavier(tmp_path: Path) -> None:
-    """Of the first one nothing but moment and inertia can be seen."""
-    model, log = load_model(bench_arm(tmp_path)), logged(bench_arm(tmp_path), FAST, seconds=1.0)
-    replay = replay_of(model, [log])
-    motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
-    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", AXES[0]))
-    assert list(effect.parameters.shapes([motion], model, place)) == [{}]
-    assert shape_of_mass(motion, model, "bend") == pytest.approx({"lever": 0.14, "aside": 0.0})
+@pytest.mark.parametrize("axis", AXES[1:])
+@pytest.mark.parametrize("off", [0.0, 0.05])
+@pytest.mark.parametrize("form", [1, 2])
+def test_the_column_of_a_mass_is_the_change_of_the_torque_that_is_needed(
+    tmp_path: Path, axis: str, off: float, form: int
+) -> None:
+    """With the link's inertia as it was, and with the inertia in proportion."""
+    model = load_model(bench_arm(tmp_path, fore_across=0.03))
+    motion, shapes = forms(model, "first_moment_error", axis)
+    shape = shapes[form]
+    shape["lever"] += off
+    assert_column_is_the_change(motion, model, "first_moment_error", axis, shape)
+
+
+def test_all_inertia_of_a_link_in_proportion(tmp_path: Path) -> None:
+    """The bend turns about one axis, the yaw turns it about another."""
+    model = load_model(bench_arm(tmp_path))
+    motion, shapes = forms(model, "link_inertia_error", "bend")
+    assert shapes == [{}, {"proportion": 1.0}]
+    assert_column_is_the_change(motion, model, "link_inertia_error", "bend", shapes[1])
+    wider = having(model, "link_inertia_error", "bend", inertia=0.016, proportion=1.0)
+    before, after = (compile_plant(m).mujoco.body("fore").inertia for m in (model, wider))
+    np.testing.assert_allclose(np.sort(after), 1.5 * np.sort(before))
+
+
+def test_one_axis_alone_turns_a_link_where_all_are_parallel(tmp_path: Path) -> None:
+    model = load_model(bench_arm(tmp_path, yaw_z=0.0, yaw_y=1.0))
+    assert forms(model, "link_inertia_error", "bend")[1] == [{}]
+
+
+def test_the_first_link_may_be_heavier_where_its_weight_shows(tmp_path: Path) -> None:
+    """About an upright axis it does what a rotor does; about a level one its weight tells it apart."""
+    upright = load_model(bench_arm(tmp_path))
+    assert forms(upright, "first_moment_error", AXES[0])[1] == [{}]
+    level = load_model(bench_arm(tmp_path, "level", yaw_x=1.0, yaw_z=0.0))
+    centre, heavier, larger = forms(level, "first_moment_error", AXES[0])[1]
+    assert centre == {} and heavier == {"lever": 0.05, "aside": 0.0}
+    assert larger == pytest.approx({**heavier, "gyration": 0.01 / 3.0})
+    assert forms(upright, "first_moment_error", "bend")[1][1] == pytest.approx({"lever": 0.14, "aside": 0.0})
+
+
+def test_a_denser_link_is_the_file_with_it(tmp_path: Path) -> None:
+    model = load_model(bench_arm(tmp_path))
+    denser = having(
+        model, "first_moment_error", "bend", along=0.65 * 0.14, across=0, mass=0.65, inertia=0.016
+    )
+    other = load_model(bench_arm(tmp_path, "other", fore_mass=1.95, fore_inertia=0.048, fore_roll=0.021))
+    one, two = (compile_plant(m).mujoco.body("fore") for m in (denser, other))
+    assert one.mass == pytest.approx(two.mass)
+    np.testing.assert_allclose(one.ipos, two.ipos, atol=1e-12)
+    np.testing.assert_allclose(np.sort(one.inertia), np.sort(two.inertia))
 
 
 def test_a_heavier_link_is_the_file_with_it(tmp_path: Path) -> None:

@@ -97,7 +97,10 @@ class _Agenda:
 
 
 def without_insignificant_end(node: Node, problem: Problem) -> Node:
-    """Return the node without insignificant last effects; what they explained stays unexplained."""
+    """Return the node without insignificant last effects; what they explained stays unexplained.
+
+    What is certain of the others stays so.
+    """
     steps = node.steps
     while steps:
         last = next(a for a in steps[-1].fit.hypothesis.added if a.key == steps[-1].added)
@@ -106,4 +109,6 @@ def without_insignificant_end(node: Node, problem: Problem) -> Node:
         steps = steps[:-1]
     if len(steps) == len(node.steps):
         return node
-    return node_after(steps, problem)
+    after = node_after(steps, problem)
+    sure = {key: found for key, found in node.adequacy.items() if key in after.keys}
+    return replace(node, current=after.current, data=after.data, steps=steps, done=after.done, adequacy=sure)

@@ -100,7 +100,8 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         node.adequacy,
         node.near,
         known,
-        disagreeing,
+        # one set of values that explains all recordings refutes what but guessed at its cause
+        differing_units(data.recordings) if done else disagreeing,
         node.jointly,
         None if only_jointly else problem.linear,
         trace,

@@ -14,7 +14,18 @@ from workbench.models import Inertial, Model
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import OfBody, there
-from .links import Link, carrying, link_at, link_of, reshape, shifting, with_mass, with_moment
+from .links import (
+    Link,
+    carrying,
+    in_proportion,
+    link_at,
+    link_of,
+    own_inertia,
+    reshape,
+    shifting,
+    turning,
+    with_moment,
+)
 from .motion import Motion
 from .parameter import INF, Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response
@@ -24,10 +35,11 @@ _LEAST = 0.05  # of the model's mass, that any link keeps
 
 
 def _changed(inertial: Inertial, link: Link, values: Values) -> Inertial:
-    """Return the link with this effect: the mass first, then the rest of the moment."""
-    mass = values.get("mass", 0.0)
+    """Return the link with this effect: mass and inertia first, then the rest of the moment."""
+    mass, more = values.get("mass", 0.0), values.get("inertia", 0.0)
     moment = values["along"] * link.along + values["across"] * link.across
-    return with_moment(with_mass(inertial, mass), moment - mass * _lever(inertial, link))
+    heavier = replace(inertial, mass=inertial.mass + mass, tensor=in_proportion(inertial, link, more))
+    return with_moment(heavier, moment - mass * _lever(inertial, link))
 
 
 def _lever(inertial: Inertial, link: Link) -> np.ndarray:
@@ -80,33 +92,48 @@ _MASS = Parameter(
     about="added to the link's; may be left out: the mass stays, the centre moves",
     optional=True,
 )
+_INERTIA = Parameter(
+    "inertia",
+    "kg*m^2",
+    lower=-INF,
+    about="added to the link's about its centre, along its axis; about others in proportion; may be left out",
+    optional=True,
+)
 
 
 def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
-    """Both moments; of more mass at a centre, all three."""
+    """Both moments; of more mass at a centre all three, and the inertia that it brings."""
     if "lever" not in shape:
         along, across = map(float, coefficients)
         return {"along": along, "across": across}
     (mass,) = map(float, coefficients)
-    return {"along": mass * shape["lever"], "across": mass * shape["aside"], "mass": mass}
+    values = {"along": mass * shape["lever"], "across": mass * shape["aside"], "mass": mass}
+    return values | ({"inertia": mass * shape["gyration"]} if "gyration" in shape else {})
 
 
 def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
     mass = values.get("mass", 0.0)
     if not mass:
         return np.array([values["along"], values["across"]]), {}
-    return np.array([mass]), {"lever": values["along"] / mass, "aside": values["across"] / mass}
+    shape = {"lever": values["along"] / mass, "aside": values["across"] / mass}
+    return np.array([mass]), shape | ({"gyration": values["inertia"] / mass} if "inertia" in values else {})
 
 
 def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
-    """A centre elsewhere; and more mass where it is, if that shows. Of what slides the mass alone."""
+    """A centre elsewhere; more mass where it is, if that shows; and the same with more inertia.
+
+    A mass that was typed wrong leaves the inertia as it is; one that was computed from the wrong density, or
+    from the wrong size, takes the inertia with it. Of what slides the mass alone.
+    """
     del motions
     link = _now(model, place)
     if not link.mass_alone:
         return ({},)
     lever = _lever(link.inertial, link)
-    centre = () if link.slides else ({},)
-    return *centre, {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
+    heavier = {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
+    if link.slides:
+        return (heavier,)
+    return {}, heavier, heavier | {"gyration": own_inertia(link) / link.inertial.mass}
 
 
 class FirstMomentError(Effect):
@@ -114,7 +141,7 @@ class FirstMomentError(Effect):
 
     Where nothing is said of its mass, the link keeps that and the inertia about its centre: the centre moves
     by the moment over the mass. A search asks for one of two causes: the centre, or the mass with the moment
-    that it has there.
+    that it has there, whose inertia stays or grows in proportion.
     """
 
     name = "first_moment_error"
@@ -122,6 +149,7 @@ class FirstMomentError(Effect):
         _ALONG,
         _ACROSS,
         _MASS,
+        _INERTIA,
         chart=Chart(
             (_ALONG, _ACROSS),
             _values,
@@ -137,7 +165,7 @@ class FirstMomentError(Effect):
         "of Robots, Ch. 9",
         shows="torque residual like the link's weight and acceleration, on its axis and those before it",
         reveal="a slow sweep of this axis over its whole range, the others held; then a fast one",
-        mujoco="native: the body's centre of mass, and its mass",
+        mujoco="native: the body's centre of mass, its mass and inertia",
         needs="a link that has a mass, and on a slide one that another axis moves or that the slide lifts; "
         "for a parallelogram, use the linkage's increments",
     )
@@ -158,6 +186,9 @@ class FirstMomentError(Effect):
         own = _lever(link.inertial, link)
         off = shape["lever"] - own @ link.along, shape["aside"] - own @ link.across
         need = carrying(motion, index, link.inertial.centre) + off[0] * shifts[0] + off[1] * shifts[1]
+        if "gyration" in shape:
+            more = in_proportion(link.inertial, link, shape["gyration"]) - link.inertial.tensor
+            need = need + turning(motion, index, more)
         return Response(-need[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:

@@ -16,6 +16,7 @@ from .chain import Build
 from .motion import Motion
 
 _NO_WAY = 1e-9  # m: two points that coincide
+_NO_TURN = 1e-12  # kg m^2: a point that has a mass
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class Link:
         size: how far its mass may reach from the hinge [m].
         carried: whether another axis moves it too.
         slides: whether its axis slides; then where its centre is acts on the axes before it alone.
-        mass_alone: whether its mass does what no rotor does: another axis moves it, or its slide lifts it.
+        mass_alone: whether its mass does what no rotor does: another axis moves it, its slide lifts it, or
+            its weight turns its hinge.
     """
 
     body: str
@@ -85,9 +87,17 @@ def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
     return replace(inertial, centre=inertial.centre + moment / inertial.mass)
 
 
-def with_mass(inertial: Inertial, more: float) -> Inertial:
-    """With more mass [kg] and nothing else: its centre and the inertia about that stay."""
-    return replace(inertial, mass=inertial.mass + more)
+def own_inertia(link: Link) -> float:
+    """Return a link's inertia about the parallel to its axis through its centre of mass [kg m^2]."""
+    return float(link.axis @ link.inertial.tensor @ link.axis)
+
+
+def in_proportion(inertial: Inertial, link: Link, more: float) -> np.ndarray:
+    """Return the inertia (3, 3) with `more` [kg m^2] about the link's axis, and others in proportion."""
+    own = float(link.axis @ inertial.tensor @ link.axis)
+    if own > _NO_TURN:
+        return inertial.tensor * (1.0 + more / own)
+    return inertial.tensor + more * np.outer(link.axis, link.axis)
 
 
 def _possible(principal: np.ndarray, axes: np.ndarray, about: np.ndarray) -> np.ndarray:
@@ -183,10 +193,13 @@ def _link(
     size = 2.0 * max(*(float(np.linalg.norm(way)) for way in square[:-1]), gyration)
     carried = _carrier(m, int(m.body_parentid[body]), {int(m.joint(name).bodyid[0]) for name in joints}) > 0
     slides = bool(j.type[0] == mujoco.mjtJoint.mjJNT_SLIDE)
-    lifted = slides and abs(m.opt.gravity @ rotation @ axis) > _NO_WAY
+    gravity = m.opt.gravity @ rotation
+    lifted = slides and abs(gravity @ axis) > _NO_WAY
+    off = float(np.linalg.norm(square[-2]))  # the centre of mass, from the axis
+    weighs = not slides and float(np.linalg.norm(np.cross(gravity, axis))) * off > _NO_WAY
     return Link(
         *(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried),
-        *(slides, carried or lifted),
+        *(slides, carried or lifted or weighs),
     )
 
 

@@ -89,9 +89,8 @@ class Regression:
 
     def forms(self, entry: Entry) -> list[Entry]:
         """An effect, its special cases, and the effects of which it is a special case, in the same place."""
-        special = effect_named(entry.key.effect).parameters.is_special
-        alike = [e for e in self.entries if e.key == entry.key and special(e.shape) != special(entry.shape)]
-        return [entry, *alike]
+        form = set(entry.shape)
+        return [entry, *(e for e in self.entries if e.key == entry.key and set(e.shape) != form)]
 
     def copies(self, kin: Sequence[Entry]) -> list[Entry]:
         """Return further effects of a kind in one place, with shapes that can be distinguished from those
