@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from workbench.core import EffectKey, Estimate
+from workbench.diagnosis.adequacy.free_functions import Adequacy
 from workbench.diagnosis.explore import without_insignificant_end
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
@@ -38,6 +39,15 @@ def test_last_effects_that_may_be_none_are_taken_back() -> None:
     assert not lone.steps and not lone.keys
     alone = node_with(problem, friction)
     assert without_insignificant_end(alone, problem) is alone, "what stands out stays as it was"
+
+
+def test_what_is_certain_stays_so_without_a_last_effect_that_may_be_none() -> None:
+    hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
+    problem = asked(LEG, *recordings(hidden))
+    whole = node_with(problem, applied(LEG, FRICTION, torque=0.19), applied(LEG, RIPPLE, **NOISE))
+    sure = {key: Adequacy(0.99, 0.9, 0.02) for key in (FRICTION, RIPPLE)}
+    kept = without_insignificant_end(replace(whole, jointly=True, adequacy=sure), problem)
+    assert kept.keys == {FRICTION} == kept.adequacy.keys() and kept.jointly
 
 
 def test_a_bold_start_grows_no_further_from_where_another_has_been() -> None:
