@@ -68,7 +68,8 @@ def findings(robot: Mapping[str, Any]) -> list[str]:
             f"{parameter_name(n)} {interval(Estimate(p['value'], p['std'] or 0.0, p['unit']))}"
             for n, p in f["parameters"].items()
         )
-        lines.append(plain(f"{key_of(f)}: {values}" if values else str(key_of(f))))
+        what = capital(effect_phrase(key_of(f)))
+        lines.append(plain(f"{what}: {values}" if values else what))
     return lines
 
 
