@@ -11,6 +11,7 @@ from workbench.core import InputError
 
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .progress import progress
+from .scores import score_words
 
 
 def evaluate(
@@ -67,10 +68,13 @@ def evaluate(
     if json:
         write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
-        echo(f"{loaded.task}, trained in {loaded.variant}:")
+        from workbench.report.response import words_of
+
+        echo(f"{loaded.task}, trained in the variant {words_of(loaded.variant)}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
-            echo(f"  {score:32s} {'  '.join(values)}")
+            what, unit = score_words(score)
+            echo(f"  {f'{what} [{unit}]' if unit else what:32s} {'  '.join(values)}")
         echo(f"Wrote 2 recordings to {folder}.")
         if robot:
             echo(

@@ -21,10 +21,11 @@ def sentence(fleet: Fleet) -> str:
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
-    parts = [f"{len(lacking)} of {total} robots have a missing effect that was found"]
+    parts = [f"A missing effect was found in {len(lacking)} of {total} robots"]
     if fleet.effects:
         first = fleet.effects[0]
-        parts[0] += f", {len(first.robots)} of them {effect_phrase(first.key)}"
+        often = "most often " if len(fleet.effects) > 1 else ""
+        parts[0] += f" ({often}{effect_phrase(first.key)}: {len(first.robots)})"
     if open_:
         parts.append(f"{len(open_)} with an unexplained error")
     fine = len(done) - len(lacking) - len(open_)
@@ -93,7 +94,7 @@ def differences(effect: Shared) -> list[str]:
 
 def seen(effect: Shared) -> str:
     """Who has it, who may, and whose recordings would not show it."""
-    parts = [f"{len(effect.robots)}: {_names(effect.robots)}"]
+    parts = [f"{len(effect.robots)} ({_names(effect.robots)})"]
     parts += [f"perhaps {_names(effect.perhaps)}"] if effect.perhaps else []
     parts += [f"not identifiable in {_names(effect.unseen)}"] if effect.unseen else []
     return "; ".join(parts)

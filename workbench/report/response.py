@@ -104,6 +104,7 @@ _WORDS = {
     "kin_only": "Kin-Only",
     "s3n_act": "S3N-Act",
     "s3n_full": "S3N-Full",
+    "s3n_full_paper": "S3N-Full (paper)",
 }
 
 

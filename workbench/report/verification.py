@@ -9,6 +9,7 @@ from workbench.core import Check, Verification
 
 from .layout import table, text, verdict
 from .numbers import number, unit_text
+from .response import words_of
 
 
 def verification_table(result: Verification) -> Group:
@@ -30,15 +31,15 @@ def verification_table(result: Verification) -> Group:
     if result.variants:
         inertia = table("variant", ("M11", "right"), ("M12", "right"), ("M22 [kg m²]", "right"))
         for name, values in result.variants.items():
-            inertia.add_row(name, *(f"{v:.5f}" for v in values))
+            inertia.add_row(words_of(name), *(f"{v:.5f}" for v in values))
         parts += [Text(), Text("Mass matrix at alpha = 90°, serial coordinates", style="bold"), inertia]
     if len(result.radius):
         low, high = float(result.radius.min()), float(result.radius.max())
         parts += [
             Text(),
             text(
-                f"Explicit injection: spectral radius {low:.3f} to {high:.3f} over alpha"
-                + (" (unstable at 1 and above)." if high >= 1 else ".")
+                f"Explicit injection (the paper's method) is {'not ' if high >= 1 else ''}stable here: "
+                f"spectral radius {low:.3f} to {high:.3f} over the knee's range; it has to be below 1."
             ),
         ]
     parts += [
