@@ -19,7 +19,7 @@ from .widgets import button, column, row, safe, text, widget
 _STEPS = 400
 # cards stand beside each other, so that the curves stay in sight below their sliders
 _CARD = {"width": "auto", "flex": "1 1 17rem", "max-width": "26rem"}
-_TAKES_REST = {"width": "auto", "flex": "1 1 0"}
+_TAKES_REST = {"width": "auto", "flex": "1 1 12rem"}  # less, and it takes a line of its own
 
 
 class Changes:
@@ -40,7 +40,7 @@ class Changes:
         self.by_hand = widget(pn.widgets.Select, name="Another effect", options={})
         self.fit = button("Fit and add it", self._fit)
         self.none = text("<p class=quiet>Nothing was added to the model as given.</p>", styles=_TAKES_REST)
-        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 13rem"})
+        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 12rem"})
         self.view = column(
             row(title, self.undo, self.redo, self.none, align_items="center"),
             self.added,
