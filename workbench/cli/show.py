@@ -37,19 +37,19 @@ def show(
         typer.Option(
             "--model",
             metavar="MODEL",
-            help="Of a recording: the model of its machine.",
+            help="For a recording: the model of its machine.",
             autocompletion=complete.models,
         ),
     ] = None,
     seconds: Annotated[
-        float, typer.Option("--seconds", min=1.5, max=60.0, help="Of a bundle: length of the run.")
+        float, typer.Option("--seconds", min=1.5, max=60.0, help="For a bundle: length of the run.")
     ] = 4.0,
     task: Annotated[
         str | None,
-        typer.Option("--task", metavar="FILE", help="Of a bundle: its task's file, where it is Python."),
+        typer.Option("--task", metavar="FILE", help="For a bundle: the task file, if it is Python."),
     ] = None,
     mp4: Annotated[
-        str | None, typer.Option("--mp4", metavar="FILE", help="A film too; needs ffmpeg.")
+        str | None, typer.Option("--mp4", metavar="FILE", help="Write a film as well; needs ffmpeg.")
     ] = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
