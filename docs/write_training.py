@@ -54,10 +54,11 @@ def tables() -> Iterator[str]:
     r = Randomisation()
     own = ", ".join(f"{task.name}: `{task.randomisation}`" for task in TASKS.values())
     yield (
-        f"\nEvery world of a quadruped also has its own friction ({span(r.friction)}), additional trunk mass "
-        f"({span(r.base_mass)} kg) and shift of the trunk's centre of mass (±{r.base_centre:g} m). It is pushed by "
-        f"up to {r.push:g} m/s about every {r.push_every_s:g} s. Identified parameters of effects are drawn with "
-        f"their standard deviations. The range of the links is that of the task ({own}), or of `--legs`."
+        f"\nEvery world of a quadruped also has its own friction ({span(r.friction)}), additional trunk "
+        f"mass ({span(r.base_mass)} kg) and shift of the trunk's centre of mass (±{r.base_centre:g} m). "
+        f"It is pushed by up to {r.push:g} m/s about every {r.push_every_s:g} s. Identified parameters of "
+        "effects are drawn with their standard deviations. The range of the links is that of the task "
+        f"({own}), or of `--legs`."
     )
 
 
