@@ -1,4 +1,6 @@
-"""The page of ``workbench check``: every quantity, the variants' masses, the explicit variant's stability."""
+"""The page of ``workbench check``: every quantity, the inertia of the variants, stability of explicit
+injection.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from .verification import sentence
 
 
 def verification_sheet(result: Verification) -> Sheet:
-    """What checking a model found."""
+    """Return the page of a verification."""
     broken = [c for c in result.checks if not c.passed]
     closest = max(
         result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None

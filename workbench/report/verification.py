@@ -13,7 +13,9 @@ from .response import words_of
 
 
 def verification_table(result: Verification) -> Group:
-    """Verdict, every quantity with its difference and tolerance, the variants' inertia, what is stated."""
+    """Return a table: verdict, every quantity with difference and tolerance, inertia of the variants, stated
+    facts.
+    """
     checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "unit", "between")
     for column in (1, 4):
         checks.columns[column].no_wrap = True
@@ -51,7 +53,7 @@ def verification_table(result: Verification) -> Group:
 
 
 def sentence(result: Verification) -> str:
-    """The verdict in one sentence."""
+    """Return the verdict as one sentence."""
     broken = [c.name for c in result.checks if not c.passed]
     if not broken:
         return f"{result.model}: all {len(result.checks)} quantities agree."
