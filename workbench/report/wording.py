@@ -94,8 +94,7 @@ def harmonics(key: EffectKey, keys: Iterable[EffectKey]) -> str:
 
 
 def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = None) -> list[str]:
-    """Return one phrase per effect, with all its places: ``"torque saturation on the hip and knee
-    drives"``.
+    """Return one phrase per effect with all its places: ``"... on the hip and knee drives"``.
 
     `names` stand in for those of the effects.
     """
@@ -131,9 +130,7 @@ def single_value(parameters: Mapping[str, Estimate]) -> str:
 
 
 def total_phrase(finding: Finding) -> str:
-    """Return ``"0.450 ± 0.002 N m, where the model has 0.150"``; empty if no number of the model is
-    corrected.
-    """
+    """Return ``"0.450 ± 0.002 N m, where the model has 0.150"``; empty without a corrected number."""
     if finding.total is None or not finding.model_value:
         return ""
     return f"{interval(finding.total)}, where the model has {number(finding.model_value)}"
