@@ -1,4 +1,4 @@
-"""The effects in the model, a slider a parameter; undo and redo; adding by hand."""
+"""Effects in the model with one slider per parameter; undo and redo; adding by hand."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TAKES_REST = {"width": "auto", "flex": "1 1 12rem"}  # less, and it takes a lin
 
 
 class Changes:
-    """What stands in the model now, and what can be done with it.
+    """The present model, and everything that can be changed in it.
 
     Attributes:
         view: undo, redo, and the effects with their sliders.
@@ -53,7 +53,7 @@ class Changes:
         self._following = False
 
     def follow(self) -> None:
-        """Show the model as it is now."""
+        """Show the present model."""
         history = self.live.bench.history
         if history is None:
             self.view.visible = self.more.visible = False
@@ -144,7 +144,7 @@ class Changes:
 
 
 def reach(applied: AppliedEffect, name: str) -> tuple[float, float]:
-    """From where to where a slider goes: from no effect to twice what it is now, within physical bounds."""
+    """Return the range of a slider: from no effect to twice the present value, within physical bounds."""
     parameter = next(p for p in effect_named(applied.key.effect).parameters if p.name == name)
     estimate = applied.parameters[name]
     away = abs(estimate.value - parameter.neutral)
