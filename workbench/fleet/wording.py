@@ -17,7 +17,7 @@ _DIFFER = 0.01  # p-value below which scatter is more than the intervals'
 
 
 def sentence(fleet: Fleet) -> str:
-    """How many robots lack what."""
+    """Return how many robots lack what."""
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
@@ -37,7 +37,7 @@ def sentence(fleet: Fleet) -> str:
 
 
 def verdict_words(robot: Mapping[str, Any]) -> str:
-    """The verdict of one robot in a few words."""
+    """Return the verdict of one robot in a few words."""
     if robot["failed"] is not None:
         return "failed"
     return {

@@ -34,7 +34,7 @@ Beyond = Literal["raise", "hold"]
 
 @dataclass(frozen=True)
 class Fields:
-    """What to write for N states.
+    """Numbers to write for N states.
 
     Attributes:
         armature, damping: of the joints, (N, n) [kg m^2], [N m s/rad].
@@ -112,7 +112,7 @@ class Schedule:
             self.chain.check(q)
 
     def spec(self, step: float, integrator: str) -> mujoco.MjSpec:
-        """The model's MJCF with the tendons that hold the pairs, at zero.
+        """Return the model's MJCF with the tendons that hold the pairs, at zero.
 
         Raises:
             InputError: no such integrator.

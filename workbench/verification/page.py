@@ -61,7 +61,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
 
 
 def percent_of(share: float) -> str:
-    """A share in percent, two digits."""
+    """Return a share in percent, two digits."""
     return f"{number(100 * share, 2)} %"
 
 
