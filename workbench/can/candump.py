@@ -1,4 +1,4 @@
-"""Logs in the form of candump: one line a frame, readable to its last whole line whatever happened.
+"""Logs in the form of candump: one line per frame, readable up to its last complete line.
 
 By hand: python-can's reader takes a line that was cut off for a shorter frame, and does not name bad ones.
 """

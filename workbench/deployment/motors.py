@@ -30,7 +30,7 @@ def run_motors(
     Args:
         config: the buses.
         bank: motors and machines.
-        stop: asked once a row.
+        stop: asked once per row.
         ready: called when they hear.
     """
     network, waiting = PortNetwork(config, echo=False), deque[Arrival]()

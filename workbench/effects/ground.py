@@ -1,4 +1,4 @@
-"""Feet on the ground in MuJoCo: one contact pair a foot, with a law in N/m and N s/m.
+"""Feet on the ground in MuJoCo: one contact pair per foot, with a law in N/m and N s/m.
 
 MuJoCo softens a contact of penetration d, depth rate d' and normal acceleration a of the foot to
 

@@ -1,4 +1,4 @@
-"""Chirps: one sine that sweeps through the band, once a period."""
+"""Chirps: one sine that sweeps through the band, once per period."""
 
 from __future__ import annotations
 

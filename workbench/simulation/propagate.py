@@ -38,8 +38,8 @@ def propagate(
     """Return the responses of the position reading and the compared torque.
 
     Args:
-        loops: one a run; any lengths and rates.
-        disturbances: one a run; the same number of columns for all.
+        loops: one per run; any lengths and rates.
+        disturbances: one per run; the same number of columns for all.
 
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.
