@@ -22,7 +22,7 @@ class Structural(Effect):
         return np.zeros((0, *motion.position.shape))
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """A column a parameter; no free coefficient where identification gave them."""
+        """One column per parameter; no free coefficient where identification gave them."""
         columns = self.columns(motion)
         if self.free(model):
             return Response(columns)

@@ -75,7 +75,7 @@ def findings(robot: Mapping[str, Any]) -> list[str]:
 
 
 def differences(effect: Shared) -> list[str]:
-    """One sentence a parameter that differs between robots."""
+    """Return one sentence per parameter that differs between robots."""
     lines = []
     for name, told in effect.spreads.items():
         apart = effect.peculiar(name)

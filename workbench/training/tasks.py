@@ -30,7 +30,7 @@ _REACH_MOST = 0.5  # rad
 def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]:
     """Return joint angles and speeds to follow, (W, n) each [rad, rad/s].
 
-    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, n numbers
+    One sine per joint around its centre: `command` has centre, amplitude, frequency [rad/s] and phase, n numbers
     each.
     """
     n = command.shape[1] // 4
