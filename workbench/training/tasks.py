@@ -30,8 +30,8 @@ _REACH_MOST = 0.5  # rad
 def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]:
     """Return joint angles and speeds to follow, (W, n) each [rad, rad/s].
 
-    One sine per joint around its centre: `command` has centre, amplitude, frequency [rad/s] and phase, n numbers
-    each.
+    One sine per joint around its centre: `command` has centre, amplitude, frequency [rad/s] and phase, n
+    numbers each.
     """
     n = command.shape[1] // 4
     middle, size, rate, phase = (command[:, k * n : (k + 1) * n] for k in range(4))
