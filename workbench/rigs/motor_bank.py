@@ -108,7 +108,8 @@ class MotorBank:
             else:
                 raise InputError(
                     f"'{mechanism.model}' has {len(mechanism.axes)} axes", file=config.source,
-                    column="mechanism.axes", remedy="virtual motors turn legs of two axes, or single actuators",
+                    column="mechanism.axes",
+                    remedy="virtual motors turn legs of two axes, or single actuators",
                 )  # fmt: skip
             self._plants.append((turned, [self.motors[axis] for axis in mechanism.axes]))
             free = [axis for axis in free if axis not in mechanism.axes]
