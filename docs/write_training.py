@@ -35,12 +35,12 @@ def page(old: str) -> str:
 
 
 def tables() -> Iterator[str]:
-    """What every task sees and is rewarded for, and what differs from world to world."""
+    """The tables of all tasks: observations, rewards, and the differences between worlds."""
     for task in TASKS.values():
         yield f"## {task.name}\n"
         yield f"{task.about} Episodes of {task.episode_s:g} s; an action of 1 is {task.action_scale:g} rad.\n"
         yield from observations(task)
-        yield "\n| reward | weight a second | what it is |\n|---|---|---|"
+        yield "\n| reward | weight per second | what it is |\n|---|---|---|"
         for term in task.rewards:
             yield f"| `{term.name}` | {term.weight:g} | {escaped(term.about)} |"
         yield ""
@@ -54,11 +54,11 @@ def tables() -> Iterator[str]:
     r = Randomisation()
     own = ", ".join(f"{task.name}: `{task.randomisation}`" for task in TASKS.values())
     yield (
-        f"\nEvery world of a quadruped also has its own friction ({span(r.friction)}), trunk mass "
-        f"({span(r.base_mass)} kg on top) and centre (±{r.base_centre:g} m), and is pushed by up to "
-        f"{r.push:g} m/s about every {r.push_every_s:g} s. Parameters of effects that were identified are "
-        "drawn from their standard "
-        f"deviations. Links are drawn as the task has it ({own}), or as `--legs` says."
+        f"\nEvery world of a quadruped also has its own friction ({span(r.friction)}), additional trunk "
+        f"mass ({span(r.base_mass)} kg) and shift of the trunk's centre of mass (±{r.base_centre:g} m). "
+        f"It is pushed by up to {r.push:g} m/s about every {r.push_every_s:g} s. Identified parameters of "
+        "effects are drawn with their standard deviations. The range of the links is that of the task "
+        f"({own}), or of `--legs`."
     )
 
 

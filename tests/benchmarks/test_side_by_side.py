@@ -1,6 +1,6 @@
 """What must not become slow, as ratios of CPU times of work that takes turns: the machine cancels out.
 
-Limits are generous: they catch what is done twice, or once a row instead of once a recording.
+Limits are generous: they catch what is done twice, or once per row instead of once per recording.
 """
 
 from __future__ import annotations

@@ -30,7 +30,9 @@ def test_a_policy_moves_and_its_curves_are_beside_it(tmp_path: Path) -> None:
     assert len(data["time"]) > 30 and np.ptp(ends, axis=0).max() > 0.02
     assert np.allclose(np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=-1).std(axis=0), 0.0, atol=1e-3)
     titles = [panel["title"] for panel in data["panels"]]
-    assert titles[0].startswith("hip: position") and any("torque" in title for title in titles)
+    assert titles[:2] == ["hip: position [rad]", "hip: torque [N m]"]
+    words = (tmp_path / "page.html").read_text()
+    assert "hip RMSE" in words and "_rmse_" not in words, "no key of the JSON"
 
 
 def test_a_recording_needs_its_model(tmp_path: Path) -> None:

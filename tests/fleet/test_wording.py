@@ -11,4 +11,4 @@ def test_findings_say_where_they_sit() -> None:
     found = [{"effect": "x", "axis": a, "location": place, "parameters": {}} for a, place in places]
     found[1]["parameters"] = value
     lines = findings({"failed": None, "diagnosis": {"findings": found}})
-    assert lines == ["x@knee", "x@knee(joint): torque 0.250 ± 0.020 N m", "x"]
+    assert lines == ["X on the knee drive", "X at the knee joint: torque 0.250 ± 0.020 N m", "X on all axes"]

@@ -104,7 +104,7 @@ class PolicyBundle:
 
     @property
     def verified(self) -> bool:
-        """Whether the model it was trained with had been compared with measurements."""
+        """Return whether the model it was trained with had been compared with measurements."""
         return bool(self.manifest.get("record"))
 
 

@@ -1,4 +1,4 @@
-"""CAN: what drives understand, exactly; the bus, its load, and a model of it."""
+"""CAN: the protocols of drives, the buses, their load, and a model of a bus."""
 
 from .config import load_config
 from .damiao import Damiao

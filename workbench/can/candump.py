@@ -1,4 +1,4 @@
-"""Logs in the form of candump: one line a frame, readable to its last whole line whatever happened.
+"""Logs in the form of candump: one line per frame, readable up to its last complete line.
 
 By hand: python-can's reader takes a line that was cut off for a shorter frame, and does not name bad ones.
 """
@@ -35,14 +35,14 @@ class Logged(NamedTuple):
 
 
 def line(stamp: float, bus: str, frame: Frame) -> str:
-    """One line of a log, newline included."""
+    """Return one line of a log, with its newline."""
     id = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
     content = "R" if frame.remote else (_SWITCHED if frame.fd else "") + frame.data.hex().upper()
     return f"({stamp:.6f}) {bus} {id}#{content}\n"
 
 
 def read_candump(path: str | Path) -> Iterator[Logged]:
-    """The data frames of a candump log; the last line may be cut off.
+    """Return the data frames of a candump log; the last line may be incomplete.
 
     Raises:
         InputError: the file cannot be read, or a line that is not its last is none of a log.
@@ -68,14 +68,14 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
 
 
 def archive(log: str | Path, blf: str | Path) -> int:
-    """Writes a candump log as BLF; returns the number of frames."""
+    """Write a candump log as BLF; return the number of frames."""
     count, content = packed(log)
     write_whole(blf, content, force=True)
     return count
 
 
 def packed(log: str | Path) -> tuple[int, bytes]:
-    """Number of frames of a candump log, and the log as BLF.
+    """Return the number of frames of a candump log, and the log as BLF.
 
     Raises:
         InputError: the log cannot be read, or there is no room for a file that is needed in between.

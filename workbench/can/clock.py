@@ -1,4 +1,4 @@
-"""The one clock of a robot: monotonic time, which a bench of virtual hardware may let run slower."""
+"""The common clock of a robot: monotonic time, which can run slower with virtual hardware."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Clock:
     scale: float = 1.0
 
     def now(self) -> float:
-        """Seconds of the bench."""
+        """Return the time of the bench [s]."""
         return time.monotonic() / self.scale
 
     def machine(self, seconds: float) -> float:
-        """How long that is for the machine, to sleep or to wait [s]."""
+        """Return the time [s] that the computer has to sleep or wait for a duration on the bench."""
         return seconds * self.scale
 
     def sleep_until(self, when: float) -> None:
-        """Returns at `when` [s], or at once where that is past."""
+        """Return at `when` [s], or immediately if that is past."""
         wait = self.machine(when - self.now())
         if wait > 0.0:
             time.sleep(wait)

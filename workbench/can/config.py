@@ -29,7 +29,7 @@ from .tables import (
 
 
 def load_config(path: str | Path) -> CanConfig:
-    """Read a configuration.
+    """Return the configuration in a TOML file.
 
     Raises:
         InputError: a missing or malformed file, an unknown name, an identifier used twice, a limit that no

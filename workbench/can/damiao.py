@@ -41,15 +41,15 @@ class Damiao(Mit):
         self.fields = fields(ranges, _BITS, kept=1)
 
     def explain(self, fault: int) -> str:
-        """A fault's name, by the number in the feedback."""
+        """Return the name of a fault, by the number in the feedback."""
         return _FAULTS.get(fault, f"number {fault}")
 
     def read(self, name: ParameterName) -> Frame:
-        """Asks for a parameter."""
+        """Return the frame that asks for a parameter."""
         return self._register(REGISTERS_ID, _READ, _REGISTERS[name], b"\0" * 4)
 
     def write(self, parameter: Parameter) -> Frame:
-        """Sets a parameter until the drive is switched off.
+        """Return the frame that sets a parameter until the drive is switched off.
 
         Raises:
             FrameError: a number that the register cannot hold.
@@ -57,7 +57,7 @@ class Damiao(Mit):
         return self._register(REGISTERS_ID, _WRITE, _REGISTERS[parameter.name], _to_bytes(parameter))
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
-        """What this drive says; None where the frame is another's.
+        """Return the content of a frame of this drive; None if the frame comes from another one.
 
         Raises:
             FrameError: a frame of this drive with a length, status or register that it does not have.
@@ -82,7 +82,7 @@ class Damiao(Mit):
         return Feedback(*motion, float(max(data[6], data[7])), status == _ENABLED, fault)
 
     def asked(self, frame: Frame) -> Setpoint | Action | Read | Parameter | None:
-        """What the host asks of this drive; None where the frame is none of its."""
+        """Return what the host commands this drive; None if the frame is not for it."""
         data = frame.data
         if frame.extended or len(data) != 8:
             return None
@@ -98,17 +98,17 @@ class Damiao(Mit):
         return special(data) or unpack_setpoint(data, self.fields)
 
     def answer(self, feedback: Feedback) -> Frame:
-        """The frame of feedback; numbers beyond the ranges are sent as their ends."""
+        """Return the feedback frame; numbers beyond the ranges are clipped."""
         status = feedback.fault or (_ENABLED if feedback.enabled else _DISABLED)
         hot = bytes([min(max(round(feedback.temperature or 0.0), 0), 255)] * 2)
         return Frame(self.reply_id, bytes([status << 4 | self.id]) + pack_motion(feedback, self.fields) + hot)
 
     def tell(self, parameter: Parameter) -> Frame:
-        """The answer to a parameter that was asked for."""
+        """Return the answer to a read parameter."""
         return self._register(self.reply_id, _READ, _REGISTERS[parameter.name], _to_bytes(parameter))
 
     def confirm(self, parameter: Parameter) -> Frame | None:
-        """The answer to a parameter that was written."""
+        """Return the answer to a written parameter."""
         return self._register(self.reply_id, _WRITE, _REGISTERS[parameter.name], _to_bytes(parameter))
 
     def _register(self, id: int, what: int, register: int, value: bytes) -> Frame:

@@ -1,4 +1,4 @@
-"""A DBC file of drives, as far as one can be written.
+"""A DBC file of the drives, as far as a DBC can describe them.
 
 Answers on one identifier are told apart by the drive's id in their first byte (a multiplexer). A Robstride
 command has its torque in the identifier, which no DBC expresses; of its feedback there is the healthy one.
@@ -25,7 +25,7 @@ _MOTION = (("position", 8, 16), ("velocity", 24, 12), ("torque", 36, 12))
 
 
 def dbc(drives: Mapping[str, Drive], imu: Imu | None = None) -> str:
-    """The text of a DBC file.
+    """Return the text of a DBC file.
 
     Args:
         drives: axis -> drive; the axis becomes part of the names of messages and signals.

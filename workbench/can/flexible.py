@@ -1,4 +1,4 @@
-"""How long frames take on a bus of two rates: CAN-FD sends its data faster than what arbitrates.
+"""The time of frames on a bus with two rates: CAN-FD sends its data faster than its arbitration.
 
 Bits of ISO 11898-1:2015: from the start of frame to the bit that switches the rate, and behind the checksum,
 at the slow rate; what lies between at the fast one. Stuffing is as in classical frames up to the data; the
@@ -22,7 +22,7 @@ def _checksum(length: int) -> int:
 
 
 def seconds(frame: Frame, bitrate: float, data_bitrate: float) -> float:
-    """How long this very frame takes [s]; rates [bit/s], the second one of CAN-FD's data."""
+    """Return the time of this frame [s]; rates [bit/s], the second one for the data of CAN-FD."""
     if not frame.fd:
         return frame_bits(frame) / bitrate
     length, size = len(frame.data), _HEAD[frame.extended]
@@ -41,7 +41,7 @@ def seconds(frame: Frame, bitrate: float, data_bitrate: float) -> float:
 def worst_seconds(
     length: int, extended: bool, fd: bool, bitrate: float, data_bitrate: float
 ) -> float:  # fmt: skip
-    """The longest that a frame of so many bytes can take [s]; see `seconds`."""
+    """Return the longest time [s] of a frame with so many bytes; see `seconds`."""
     if not fd:
         return worst_bits(length, extended) / bitrate
     head, body = _HEAD[extended], _LENGTH + 8 * length

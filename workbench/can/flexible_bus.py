@@ -1,4 +1,4 @@
-"""What CAN-FD, moteus and ODrive drives ask of a configuration."""
+"""What CAN-FD, moteus and ODrive drives require of a configuration."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .tables import CanConfig
 
 
 def flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
-    """Key, problem and remedy of everything that is wrong."""
+    """Return key, problem and remedy of everything that is wrong."""
     for bus in c.bus:
         key, own = f"bus '{bus.name}'", {motor.protocol for motor in c.on(bus.name)}
         if bus.data_bitrate and bus.data_bitrate < bus.bitrate:

@@ -1,4 +1,4 @@
-"""A CAN frame, and how many bits it is on the wire; how long CAN-FD takes is in `flexible`."""
+"""A CAN frame, and its number of bits on the wire; the time of CAN-FD is in `flexible`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from workbench.core import WorkbenchError
 
 
 class FrameError(WorkbenchError):
-    """A frame that its protocol does not have, or a number that no frame can carry."""
+    """A frame that does not exist in the protocol, or a number that a frame cannot hold."""
 
 
 class Frame(NamedTuple):
@@ -31,7 +31,9 @@ class Frame(NamedTuple):
 
     @property
     def priority(self) -> tuple[int, int, int]:
-        """Sorts frames as arbitration does: lowest first, and a standard frame before its extended like."""
+        """Return the sort key of arbitration: lowest identifier first, standard frames before extended
+        ones.
+        """
         if self.extended:
             return self.id >> 18, 1, (self.id & 0x3FFFF) << 1 | self.remote
         return self.id, 0, self.remote << 19
@@ -44,7 +46,7 @@ _POLYNOMIAL = 0x4599  # CRC-15-CAN
 
 
 def worst_bits(length: int, extended: bool = False) -> int:
-    """Most bits that a frame of `length` bytes can take, stuffing and intermission included.
+    """Return the largest number of bits of a frame with `length` bytes, with stuffing and intermission.
 
     The first stuff bit takes five equal bits, every further one four more (Davis, Burns, Bril and Lukkien,
     Real-Time Systems 35, 2007, Eq. 1).
@@ -54,7 +56,7 @@ def worst_bits(length: int, extended: bool = False) -> int:
 
 
 def frame_bits(frame: Frame) -> int:
-    """Bits that this very classical frame takes on the wire, stuffing and intermission included."""
+    """Return the number of bits of this classical frame on the wire, with stuffing and intermission."""
     length = len(frame.data)
     data = int.from_bytes(frame.data, "big")
     if frame.extended:
@@ -71,7 +73,7 @@ def frame_bits(frame: Frame) -> int:
 
 
 def stuffing(content: int, bits: int) -> int:
-    """How many bits are stuffed into so many bits of content, its first one behind an idle bus."""
+    """Return the number of stuff bits in these bits, the first of which follows an idle bus."""
     # bits before the start of frame that end in 1 change no run of equal bits
     spare = -bits % 8
     content |= (0x55 & ((1 << spare) - 1)) << bits

@@ -1,4 +1,4 @@
-"""Inertial units on a bus: how the base turns, where down is, and, if they tell it, what it is carried with.
+"""Inertial units on a bus: angular velocity, direction of gravity and, if available, the specific force.
 
 A unit of another make is one more class with these three members, under its name in `IMUS`; what it measures
 in other quantities (a quaternion, an acceleration) it turns into these itself.
@@ -18,7 +18,7 @@ Quantity = Literal["angular", "gravity", "force"]
 
 
 class Imu(Protocol):
-    """What the host and the bus load ask of a unit.
+    """Interface of a unit for the host and the bus load.
 
     Attributes:
         lengths: bytes of each frame of one sample.
@@ -31,7 +31,7 @@ class Imu(Protocol):
     tells: tuple[Quantity, ...]
 
     def decode(self, frame: Frame) -> tuple[Quantity, Triple] | None:
-        """Angular velocity [rad/s], direction of gravity (unit vector) or force per weight.
+        """Return angular velocity [rad/s], direction of gravity (unit vector), or force divided by weight.
 
         What an accelerometer shows is that force: as long as the weight, and up, at rest; zero in free fall.
         None where it is not its frame.
@@ -43,7 +43,8 @@ class Imu(Protocol):
 
 
 class WorkbenchImu:
-    """The virtual unit: angular velocity, direction of gravity, force per weight; 16 bits each, big-endian.
+    """The virtual unit: angular velocity, direction of gravity, force divided by weight; 16 bits each,
+    big-endian.
 
     Args:
         id: of the first of its three frames, which follow each other.
@@ -62,7 +63,7 @@ class WorkbenchImu:
         self.ids: tuple[int, ...] = (id, id + 1, id + 2)
 
     def encode(self, angular: Triple, gravity: Triple, force: Triple) -> list[Frame]:
-        """One sample; what is beyond its range is at the end of it."""
+        """Return the frames of one sample; values beyond the range are clipped."""
         frames = []
         for id, values, (_, span) in zip(self.ids, (angular, gravity, force), self.spans, strict=True):
             raw = [span.encode(min(max(value, span.low), span.high)) for value in values]

@@ -1,4 +1,4 @@
-"""What else hangs on a bus and says something: an inertial unit, an emergency stop."""
+"""Other devices on a bus: an inertial unit, an emergency stop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How full each bus can get: every frame as long as stuffing can make it."""
+"""The largest load of each bus: every frame with as many stuff bits as possible."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST = 0.7  # of a bus; the rest is for errors, parameters and frames that come 
 
 @dataclass(frozen=True)
 class BusLoad:
-    """What a bus carries at worst.
+    """The largest load of a bus.
 
     Attributes:
         bus: its name.
@@ -32,12 +32,12 @@ class BusLoad:
 
     @property
     def fits(self) -> bool:
-        """Whether the share is at most `MOST`."""
+        """Return whether the load is at most `MOST`."""
         return self.share <= MOST
 
 
 def bus_load(config: CanConfig) -> list[BusLoad]:
-    """The load of every bus, each motor commanded and answering in every exchange."""
+    """Return the load of every bus, if each motor is commanded and answers in every exchange."""
     loads, rate = [], config.loop.polls / config.loop.period_s
     for bus in config.bus:
         motors = config.on(bus.name)

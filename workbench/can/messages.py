@@ -1,4 +1,4 @@
-"""What host and drive say to each other, whatever the protocol; SI, at the drive's output."""
+"""Messages between host and drive, independent of the protocol; SI, at the output of the drive."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .span import Span
 
 @dataclass(frozen=True)
 class Ranges:
-    """What the full scale of each field stands for: -x to x, gains 0 to x.
+    """Full scale of each field: -x to x, gains 0 to x.
 
     Published ranges contradict each other, so they carry their source.
 
@@ -29,7 +29,7 @@ class Ranges:
     source: str
 
     def check(self, setpoint: Setpoint) -> None:
-        """Refuse what a drive may not get.
+        """Refuse values that the drive must not get.
 
         Raises:
             FrameError: a number that is not finite or outside, or a negative gain.
@@ -41,7 +41,7 @@ class Ranges:
 
 
 class Setpoint(NamedTuple):
-    """What a drive is asked for: torque + kp (position - q) + kd (velocity - w)."""
+    """Command to a drive: torque + kp (position - q) + kd (velocity - w)."""
 
     position: float
     velocity: float
@@ -51,7 +51,7 @@ class Setpoint(NamedTuple):
 
 
 class Feedback(NamedTuple):
-    """What a drive says of itself.
+    """Feedback of a drive.
 
     Attributes:
         position, velocity, torque: [rad, rad/s, N m].
@@ -69,7 +69,7 @@ class Feedback(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """A drive reports a fault outside its feedback, by the protocol's own number."""
+    """A fault that a drive reports outside its feedback, with the number of the protocol."""
 
     number: int
 
@@ -83,20 +83,20 @@ ParameterName = Literal["watchdog", "mode", "position", "velocity", "torque"]
 
 
 class Parameter(NamedTuple):
-    """A parameter's value; as an answer, or to be written."""
+    """The value of a parameter, as an answer or to be written."""
 
     name: ParameterName
     value: float
 
 
 class Read(NamedTuple):
-    """A parameter is asked for."""
+    """A request for a parameter."""
 
     name: ParameterName
 
 
 class Carried(NamedTuple):
-    """A frame that a drive's exchange puts on the bus, for the bus's load.
+    """A frame of an exchange with a drive, for the load of the bus.
 
     Attributes:
         length: bytes. extended, fd: as of `Frame`.
@@ -110,7 +110,7 @@ class Carried(NamedTuple):
 
 
 def burst(frames: Frame | tuple[Frame, ...]) -> tuple[Frame, ...]:
-    """The frames of one command: most protocols need one."""
+    """Return the frames of one command: most protocols need one."""
     return (frames,) if isinstance(frames, Frame) else frames
 
 
@@ -125,7 +125,7 @@ class Fields(NamedTuple):
 
 
 def fields(ranges: Ranges, bits: tuple[int, int, int, int, int], kept: int = 0) -> Fields:
-    """Fields of `bits` each; `kept` raw positions at the upper end stay unused in commands."""
+    """Return fields of `bits` each; `kept` raw positions at the upper end are not used in commands."""
     p, v, kp, kd, t = bits
     return Fields(
         Span(-ranges.position, ranges.position, p, kept),

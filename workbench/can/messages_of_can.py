@@ -10,7 +10,7 @@ from .frame import Frame
 
 
 def to_message(frame: Frame, **more: Any) -> can.Message:
-    """A frame as python-can sends it; ``more`` as its `can.Message` names it."""
+    """Return a frame as a message of python-can; ``more`` are arguments of `can.Message`."""
     return can.Message(
         arbitration_id=frame.id, is_extended_id=frame.extended, is_fd=frame.fd, bitrate_switch=frame.fd,
         is_remote_frame=frame.remote, data=None if frame.remote else frame.data, check=False, **more,
@@ -18,7 +18,7 @@ def to_message(frame: Frame, **more: Any) -> can.Message:
 
 
 def from_message(message: can.Message) -> Frame:
-    """What python-can received, as a frame."""
+    """Return a message of python-can as a frame."""
     data = b"" if message.is_remote_frame else bytes(message.data)
     return Frame(
         message.arbitration_id, data, message.is_extended_id, message.is_fd, message.is_remote_frame

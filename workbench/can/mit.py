@@ -51,11 +51,11 @@ class Mit(Packed):
     # What a host needs.
 
     def explain(self, fault: int) -> str:
-        """A fault's name, by the number in the feedback."""
+        """Return the name of a fault, by the number in the feedback."""
         return _FAULT_NAMES.get(fault, f"number {fault}")
 
     def command(self, setpoint: Setpoint) -> Frame:
-        """The frame of a setpoint.
+        """Return the frame of a setpoint.
 
         Raises:
             FrameError: not finite, or outside the ranges.
@@ -63,11 +63,11 @@ class Mit(Packed):
         return Frame(self.id, pack_setpoint(setpoint, self.fields))
 
     def act(self, action: Action) -> Frame:
-        """The frame that makes the drive do something."""
+        """Return the frame of an action: enable, disable and so on."""
         return Frame(self.id, _HEAD + bytes([_SPECIAL[action]]))
 
     def read(self, name: ParameterName) -> Frame:
-        """This protocol reads nothing.
+        """Not available in this protocol.
 
         Raises:
             FrameError: always.
@@ -75,7 +75,7 @@ class Mit(Packed):
         raise FrameError(f"{self.name} drives cannot be asked for their {name}")
 
     def write(self, parameter: Parameter) -> Frame:
-        """This protocol writes nothing.
+        """Not available in this protocol.
 
         Raises:
             FrameError: always.
@@ -83,7 +83,7 @@ class Mit(Packed):
         raise FrameError(f"{self.name} drives cannot be given their {parameter.name}")
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
-        """What this drive says; None where the frame is another's.
+        """Return the content of a frame of this drive; None if the frame comes from another one.
 
         Raises:
             FrameError: a frame of this drive with a length that its answers do not have.
@@ -101,20 +101,20 @@ class Mit(Packed):
     # What a drive needs.
 
     def asked(self, frame: Frame) -> Setpoint | Action | Read | Parameter | None:
-        """What the host asks of this drive; None where the frame is none of its."""
+        """Return what the host commands this drive; None if the frame is not for it."""
         if frame.extended or frame.id != self.id or len(frame.data) != 8:
             return None
         return special(frame.data) or unpack_setpoint(frame.data, self.fields)
 
     def answer(self, feedback: Feedback) -> Frame:
-        """The frame of feedback; numbers beyond the ranges are sent as their ends."""
+        """Return the feedback frame; numbers beyond the ranges are clipped."""
         motion = pack_motion(feedback, self.fields)
         temperature = round((feedback.temperature or 0.0) - self.temperature_offset)
         tail = bytes([min(max(temperature, 0), 255), feedback.fault & 0xFF])
         return Frame(self.reply_id, (bytes([self.id]) + motion + tail)[: self.length])
 
     def tell(self, parameter: Parameter) -> Frame:
-        """This protocol tells nothing.
+        """Not available in this protocol.
 
         Raises:
             FrameError: always.
@@ -122,12 +122,12 @@ class Mit(Packed):
         return self.write(parameter)
 
     def confirm(self, parameter: Parameter) -> Frame | None:
-        """The answer to a parameter that was written: none of its own."""
+        """Return the answer to a written parameter: this protocol has none."""
         return None
 
 
 def pack_setpoint(setpoint: Setpoint, f: Fields) -> bytes:
-    """Eight bytes of a setpoint.
+    """Return the eight bytes of a setpoint.
 
     Raises:
         FrameError: not finite, or outside the fields' ranges.
@@ -137,7 +137,7 @@ def pack_setpoint(setpoint: Setpoint, f: Fields) -> bytes:
 
 
 def unpack_setpoint(data: bytes, f: Fields) -> Setpoint:
-    """The setpoint in eight bytes."""
+    """Return the setpoint in eight bytes."""
     raw = int.from_bytes(data, "big")
     return Setpoint(
         f.position.decode(raw >> 48),
@@ -149,14 +149,14 @@ def unpack_setpoint(data: bytes, f: Fields) -> Setpoint:
 
 
 def special(data: bytes) -> Action | None:
-    """The action that eight bytes stand for, if they do."""
+    """Return the action that eight bytes stand for; None if they are a setpoint."""
     if data[:7] != _HEAD:
         return None
     return next((action for action, byte in _SPECIAL.items() if byte == data[7]), None)
 
 
 def pack_motion(feedback: Feedback, f: Fields) -> bytes:
-    """Five bytes: position 16, velocity 12, torque 12; clipped to the ranges, as drives do."""
+    """Return five bytes: position 16, velocity 12, torque 12 bits; clipped to the ranges, as drives do."""
     raw = [
         min(max(round((x - s.low) / s.step), 0), s.full)
         for s, x in (
@@ -169,6 +169,6 @@ def pack_motion(feedback: Feedback, f: Fields) -> bytes:
 
 
 def unpack_motion(data: bytes, f: Fields) -> tuple[float, float, float]:
-    """Position, velocity and torque in bytes 1 to 5."""
+    """Return position, velocity and torque in bytes 1 to 5."""
     raw = int.from_bytes(data[1:6], "big")
     return f.position.decode(raw >> 24), f.velocity.decode(raw >> 12 & 0xFFF), f.torque.decode(raw & 0xFFF)

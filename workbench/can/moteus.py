@@ -71,7 +71,7 @@ class Moteus:
 
     @property
     def exchange(self) -> tuple[Carried, ...]:
-        """Frames of one exchange."""
+        """Return the frames of one exchange."""
         sent = self.command(Setpoint(0.0, 0.0, 0.0, 0.0, 0.0))
         answer = self.id << 8 | self.host_id
         said = 3 + 4 * (2, 4)[self._kind == 3] + 2 + 3  # heads, four registers, three of a byte
@@ -79,18 +79,18 @@ class Moteus:
 
     @property
     def claims(self) -> frozenset[tuple[int, bool]]:
-        """Identifiers that are this drive's, and whether they have 29 bits."""
+        """Return the identifiers of this drive, and whether they have 29 bits."""
         answer = self.id << 8 | self.host_id
         return frozenset({(_ANSWER | self.host_id << 8 | self.id, True), (answer, answer > 0x7FF)})
 
     # What a host needs.
 
     def explain(self, fault: int) -> str:
-        """A fault's name, by the number in the feedback."""
+        """Return the name of a fault, by the number in the feedback."""
         return _FAULT_NAMES.get(fault, f"number {fault}")
 
     def command(self, setpoint: Setpoint) -> Frame:
-        """The frame of a setpoint, which asks for feedback as well.
+        """Return the frame of a setpoint, which also asks for feedback.
 
         Raises:
             FrameError: not finite, outside the ranges, or with a larger part of kd than of kp: the drive
@@ -110,7 +110,7 @@ class Moteus:
         return self._to_drive(packed(WRITE, {_MODE: _FOLLOWS}, 0, _STEPS) + asked + self._query)
 
     def act(self, action: Action) -> Frame:
-        """The frame that makes the drive do something; it is enabled by a setpoint of nothing."""
+        """Return the frame of an action; an empty setpoint enables the drive."""
         if action == "enable":
             return self.command(Setpoint(0.0, 0.0, 0.0, 0.0, 0.0))
         if action == "zero":
@@ -118,7 +118,7 @@ class Moteus:
         return self._to_drive(packed(WRITE, {_MODE: _STOPPED}, 0, _STEPS) + self._query)
 
     def read(self, name: ParameterName) -> Frame:
-        """Asks for a parameter.
+        """Return the frame that asks for a parameter.
 
         Raises:
             FrameError: these drives do not tell it.
@@ -128,7 +128,8 @@ class Moteus:
         return self._to_drive(head(READ, 3, _WATCHDOG, 1))
 
     def write(self, parameter: Parameter) -> Frame:
-        """Stops the drive, and sets its watchdog; every command brings it anew.
+        """Return the frame that stops the drive and sets its watchdog; every command sets the watchdog
+        again.
 
         Raises:
             FrameError: another parameter, or another watchdog than the commands'.
@@ -139,7 +140,8 @@ class Moteus:
         return self._to_drive(packed(WRITE, {_MODE: _STOPPED}, 0, _STEPS) + patience)
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
-        """What this drive says; None where the frame is another's, or tells neither motion nor watchdog.
+        """Return the content of a frame of this drive; None if it comes from another one, or has neither
+        motion nor watchdog.
 
         Raises:
             FrameError: a frame of this drive that is cut off, no answer, or tells an error.
@@ -159,7 +161,7 @@ class Moteus:
         return Feedback(*motion, said.get(_TEMPERATURE), mode in (_FOLLOWS, _DAMPS), fault)
 
     def asked(self, frame: Frame) -> Setpoint | Action | Read | None:
-        """What the host asks of this drive, as a log shows it; None where the frame is none of its."""
+        """Return what the host commands this drive, as in a log; None if the frame is not for it."""
         if frame.id & ~_ANSWER != self.host_id << 8 | self.id:
             return None
         try:

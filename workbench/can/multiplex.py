@@ -23,7 +23,7 @@ Steps = Mapping[int, tuple[float, float, float, float]]
 
 
 def packed(what: int, values: dict[int, float], kind: int, steps: Steps) -> bytes:
-    """One subframe of registers that follow each other.
+    """Return one subframe of consecutive registers.
 
     Args:
         what: `WRITE` or `REPLY`.
@@ -41,18 +41,18 @@ def packed(what: int, values: dict[int, float], kind: int, steps: Steps) -> byte
 
 
 def head(what: int, kind: int, first: int, count: int) -> bytes:
-    """The begin of a subframe of `count` registers; of a `READ` it is all."""
+    """Return the beginning of a subframe of `count` registers; a `READ` has nothing else."""
     begin = bytes([what | kind << 2 | count]) if count < 4 else bytes([what | kind << 2, count])
     return begin + (bytes([first]) if first < 0x80 else bytes([first & 0x7F | 0x80, first >> 7]))
 
 
 def padded(data: bytes) -> bytes:
-    """The bytes with as many that say nothing as CAN-FD needs."""
+    """Return the bytes, filled with as many empty ones as CAN-FD needs."""
     return data.ljust(next(length for length in _LENGTHS if length >= len(data)), bytes([_NOP]))
 
 
 def subframes(data: bytes, steps: Steps) -> Iterator[tuple[int, int, float]]:
-    """What is written, read (no value) or answered, register by register, SI.
+    """Return what is written, read (no value) or answered, register by register, SI.
 
     Raises:
         FrameError: cut off, an error of the drive, or no subframe that there is.

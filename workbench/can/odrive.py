@@ -75,23 +75,23 @@ class Odrive:
 
     @property
     def exchange(self) -> tuple[Carried, ...]:
-        """Frames of one exchange, and what it says by itself."""
+        """Return the frames of one exchange, and those that the drive sends by itself."""
         own = Carried(8, hz=100.0), Carried(8, hz=10.0)
         return (*(Carried(8),) * 3, *(Carried(0),) * 2, *(Carried(8),) * 2, *own)
 
     @property
     def claims(self) -> frozenset[tuple[int, bool]]:
-        """Identifiers that are this drive's, and whether they have 29 bits."""
+        """Return the identifiers of this drive, and whether they have 29 bits."""
         return frozenset((self.id << 5 | message, False) for message in range(32))
 
     # What a host needs.
 
     def explain(self, fault: int) -> str:
-        """Names of the faults whose bits are set."""
+        """Return the names of the faults whose bits are set."""
         return ", ".join(name for bit, name in _FAULTS.items() if fault >> bit & 1) or f"number {fault}"
 
     def command(self, setpoint: Setpoint) -> tuple[Frame, ...]:
-        """The frames of a setpoint, which ask for feedback as well.
+        """Return the frames of a setpoint, which also ask for feedback.
 
         Raises:
             FrameError: not finite, outside the ranges, or with stiffness but no damping.
@@ -109,7 +109,7 @@ class Odrive:
         )
 
     def act(self, action: Action) -> tuple[Frame, ...]:
-        """The frames that make the drive do something."""
+        """Return the frames of an action."""
         match action:
             case "enable":
                 mode = self._frame("set_mode", control=_BY_POSITION, input=_AT_ONCE)
@@ -121,7 +121,7 @@ class Odrive:
         return (self._frame("clear_errors", blink=0),)
 
     def read(self, name: ParameterName) -> tuple[Frame, ...]:
-        """Asks for a parameter.
+        """Return the frames that ask for a parameter.
 
         Raises:
             FrameError: it does not tell it.
@@ -133,7 +133,7 @@ class Odrive:
         return tuple(frame._replace(data=frame.data[:4]) for frame in ask)
 
     def write(self, parameter: Parameter) -> tuple[Frame, ...]:
-        """Sets a parameter until the drive is switched off.
+        """Return the frames that set a parameter until the drive is switched off.
 
         Raises:
             FrameError: it has none of that name, or cannot hold that number.
@@ -149,7 +149,7 @@ class Odrive:
         return timeout, enable._replace(data=enable.data[:5])
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
-        """What this drive says: once its motion and torque are known; None otherwise.
+        """Return the feedback of this drive as soon as its motion and torque are known; otherwise None.
 
         Raises:
             FrameError: a frame of this drive with a length that it does not have.
@@ -178,7 +178,7 @@ class Odrive:
         return None
 
     def asked(self, frame: Frame) -> Setpoint | Action | Read | None:
-        """What the host asks of this drive, as a log shows it; None where the frame is none of its."""
+        """Return what the host commands this drive, as in a log; None if the frame is not for it."""
         said = _messages().get(frame.id & 0x1F)
         if frame.extended or frame.remote or frame.fd or frame.id >> 5 != self.id or said is None:
             return None

@@ -1,4 +1,4 @@
-"""Drives of which one frame has all of a setpoint, in numbers of some bits, and one frame answers."""
+"""Drives with one frame per setpoint, in fields of some bits, and one frame per answer."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from .messages import Carried, Fields
 
 
 class Packed:
-    """What such protocols have alike.
+    """Common part of such protocols.
 
     Attributes:
         extended: whether identifiers have 29 bits.
@@ -20,10 +20,10 @@ class Packed:
 
     @property
     def torque_step(self) -> float:
-        """What a frame's torque cannot tell apart [N m]."""
+        """Return the resolution of the torque in a frame [N m]."""
         return self.fields.torque.step
 
     @property
     def exchange(self) -> tuple[Carried, ...]:
-        """Frames of one exchange."""
+        """Return the frames of one exchange."""
         return Carried(8, self.extended), Carried(self.length, self.extended)

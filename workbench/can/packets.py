@@ -1,4 +1,4 @@
-"""What nodes and the bus between processes send each other: one packet a frame.
+"""Packets between nodes and the bus between processes: one packet per frame.
 
 Kinds: ``S`` send; ``B`` come back on the bus; ``Q`` no echoes, please; ``R`` received; ``E`` echo of an own
 frame; ``O`` the node is off; ``F`` the queue is full, the frame was not taken.
@@ -16,7 +16,7 @@ SIZE = _HEAD.size + 64
 
 
 def pack(kind: bytes, stamp: float = 0.0, frame: Frame | None = None) -> bytes:
-    """A packet; `stamp` is monotonic time [s]."""
+    """Return a packet; `stamp` is monotonic time [s]."""
     if frame is None:
         return _HEAD.pack(kind, stamp, 0)
     flags = frame.extended * _EXTENDED | frame.fd * _FD | frame.remote * _REMOTE
@@ -24,7 +24,7 @@ def pack(kind: bytes, stamp: float = 0.0, frame: Frame | None = None) -> bytes:
 
 
 def unpack(packet: bytes) -> tuple[bytes, float, Frame]:
-    """Kind, stamp [s] and frame.
+    """Return kind, stamp [s] and frame.
 
     Raises:
         ValueError: no packet of this kind.

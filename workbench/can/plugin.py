@@ -51,25 +51,25 @@ class WorkbenchBus(can.BusABC):
 
     @property
     def off(self) -> bool:
-        """Whether the node is off the bus."""
+        """Return whether the node is off the bus."""
         return self._off
 
     @property
     def refused(self) -> int:
-        """Frames that the bus did not take: its queue was full, or the node off."""
+        """Return the number of frames that were not sent because the queue was full or the node was off."""
         return self._refused
 
     def come_back(self) -> None:
-        """On the bus again after it was off; what was queued is gone."""
+        """Return to the bus after the node was off; queued frames are lost."""
         self._packet(pack(b"B"))
         self._off = False
 
     def monotonic(self, timestamp: float) -> float:
-        """Monotonic time [s] of a message's time stamp."""
+        """Return the monotonic time [s] of the time stamp of a message."""
         return timestamp - self.shift
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """Queues a frame.
+        """Queue a frame.
 
         Raises:
             CanOperationError: the node is off the bus, or the bus is gone.
@@ -80,11 +80,11 @@ class WorkbenchBus(can.BusABC):
         self._packet(pack(b"S", 0.0, frame))
 
     def fileno(self) -> int:
-        """For `select`."""
+        """Return the file descriptor for `select`."""
         return self._socket.fileno()
 
     def shutdown(self) -> None:
-        """Leaves the bus."""
+        """Leave the bus."""
         super().shutdown()
         self._socket.close()
 

@@ -1,4 +1,4 @@
-"""What a configuration cannot mean though each of its values is fine: names, identifiers, ranges, loads."""
+"""Errors of a configuration whose single values are valid: names, identifiers, ranges, loads."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .taken import claimed, id_problems
 
 
 def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
-    """Key, problem and remedy of everything that is wrong."""
+    """Return key, problem and remedy of everything that is wrong."""
     names = [bus.name for bus in c.bus]
     for name in sorted({n for n in names if names.count(n) > 1}):
         yield "bus.name", f"bus '{name}' is given twice", "give each bus its own name"
@@ -103,7 +103,7 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
 def range_problems(
     motor: MotorTable, ranges: tuple[float | None, float | None, float | None], c: CanConfig
 ) -> Iterator[tuple[str, str, str]]:
-    """Limits and gains of a motor that its ranges (None: not known yet) cannot carry."""
+    """Return limits and gains of a motor that do not fit into its ranges (None: not known yet)."""
     key, limits = f"motor '{motor.axis}'", motor.limits
     position, velocity, torque = ranges
     far = max(abs(x - motor.offset) for x in limits.position)

@@ -1,4 +1,4 @@
-"""What the operating system can do for a loop that must not be late; what it refuses is said."""
+"""Settings of the operating system for a loop that must not be late; refused settings are reported."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _PRIORITY = 20  # of 99: above everything ordinary, below the kernel's own threa
 
 @contextmanager
 def realtime(cpu: int | None = None) -> Iterator[list[str]]:
-    """Realtime scheduling, one processor, no garbage collection; yields what was not permitted.
+    """Set realtime scheduling, one processor, no garbage collection; yield what was not permitted.
 
     Args:
         cpu: processor to stay on; None for any.

@@ -53,13 +53,13 @@ class Robstride(Packed):
     # What a host needs.
 
     def explain(self, fault: int) -> str:
-        """Names of the faults whose bits are set in the feedback."""
+        """Return the names of the faults whose bits are set in the feedback."""
         return (
             ", ".join(name for bit, name in enumerate(_FAULT_NAMES) if fault >> bit & 1) or f"number {fault}"
         )
 
     def command(self, setpoint: Setpoint) -> Frame:
-        """The frame of a setpoint.
+        """Return the frame of a setpoint.
 
         Raises:
             FrameError: not finite, or outside the ranges.
@@ -68,13 +68,13 @@ class Robstride(Packed):
         return self._frame(_COMMAND, t, struct.pack(">4H", p, v, kp, kd))
 
     def act(self, action: Action) -> Frame:
-        """The frame that makes the drive do something."""
+        """Return the frame of an action."""
         kind = {"enable": _ENABLE, "disable": _STOP, "zero": _ZERO, "clear": _STOP}[action]
         first = action in ("zero", "clear")
         return self._frame(kind, self.reply_id, bytes([first]) + b"\0" * 7)
 
     def read(self, name: ParameterName) -> Frame:
-        """Asks for a parameter.
+        """Return the frame that asks for a parameter.
 
         Raises:
             FrameError: these drives do not tell it.
@@ -82,7 +82,7 @@ class Robstride(Packed):
         return self._frame(_READ, self.reply_id, struct.pack("<HHI", _index(name), 0, 0))
 
     def write(self, parameter: Parameter) -> Frame:
-        """Sets a parameter until the drive is switched off.
+        """Return the frame that sets a parameter until the drive is switched off.
 
         Raises:
             FrameError: these drives have none of that name, or it cannot hold that number.
@@ -90,7 +90,7 @@ class Robstride(Packed):
         return self._frame(_WRITE, self.reply_id, _parameter(parameter))
 
     def decode(self, frame: Frame) -> Feedback | Parameter | Fault | None:
-        """What this drive says; None where the frame is another's.
+        """Return the content of a frame of this drive; None if the frame comes from another one.
 
         Raises:
             FrameError: a frame of this drive with a length or parameter that it does not have.
@@ -120,7 +120,7 @@ class Robstride(Packed):
     # What a drive needs.
 
     def asked(self, frame: Frame) -> Setpoint | Action | Read | Parameter | None:
-        """What the host asks of this drive; None where the frame is none of its."""
+        """Return what the host commands this drive; None if the frame is not for it."""
         kind, middle, last = frame.id >> 24, frame.id >> 8 & 0xFFFF, frame.id & 0xFF
         if not frame.extended or last != self.id or len(frame.data) != 8:
             return None
@@ -140,7 +140,7 @@ class Robstride(Packed):
         return Read(_NAMES[index]) if kind == _READ else _value(_NAMES[index], frame.data)
 
     def answer(self, feedback: Feedback) -> Frame:
-        """The frame of feedback; numbers beyond the ranges are sent as their ends."""
+        """Return the feedback frame; numbers beyond the ranges are clipped."""
         f = self.fields
         motion = (feedback.position, feedback.velocity, feedback.torque)
         raw = [
@@ -155,11 +155,11 @@ class Robstride(Packed):
         )
 
     def tell(self, parameter: Parameter) -> Frame:
-        """The answer to a parameter that was asked for."""
+        """Return the answer to a read parameter."""
         return Frame(_READ << 24 | self.id << 8 | self.reply_id, _parameter(parameter), True)
 
     def confirm(self, parameter: Parameter) -> Frame | None:
-        """The answer to a parameter that was written: none of its own."""
+        """Return the answer to a written parameter: this protocol has none."""
         return None
 
     def _frame(self, kind: int, middle: int, data: bytes) -> Frame:

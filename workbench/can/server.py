@@ -52,11 +52,11 @@ class BusServer:
 
     @property
     def sockets(self) -> list[socket.socket]:
-        """Everything to wait for."""
+        """Return all sockets to wait for."""
         return [self._listener, *self._nodes]
 
     def serve(self, ready: set[socket.socket], now: float) -> None:
-        """Takes what came in, then what the wire has done until `now` [s]."""
+        """Process what came in, then what the wire did until `now` [s]."""
         if self._listener in ready:
             self._accept()
         for connection in [c for c in self._nodes if c in ready]:
@@ -68,7 +68,7 @@ class BusServer:
                 self._tell(connection, pack(b"O", now))
 
     def close(self) -> None:
-        """Closes every connection and removes the socket."""
+        """Close every connection and remove the socket."""
         for connection in [self._listener, *self._nodes]:
             connection.close()
         self._path.unlink(missing_ok=True)
@@ -123,7 +123,7 @@ class BusServer:
 def serve(
     config: CanConfig, stop: Callable[[], bool] = lambda: False, ready: Callable[[], None] = lambda: None
 ) -> None:
-    """Carries every bus of a configuration with ``interface = "workbench"`` until `stop` says so.
+    """Run every bus of a configuration with ``interface = "workbench"`` until `stop` returns True.
 
     Args:
         config: the buses.

@@ -1,4 +1,4 @@
-"""A number in a field of bits: whole steps over a range, both ends included."""
+"""A number in a field of bits: equal steps over a range, both ends included."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ class Span:
 
     @property
     def full(self) -> int:
-        """The largest raw number."""
+        """Return the largest raw number."""
         return (1 << self.bits) - 1
 
     @property
     def step(self) -> float:
-        """What one raw step is worth."""
+        """Return the size of one raw step."""
         return (self.high - self.low) / self.full
 
     def encode(self, value: float) -> int:
-        """The raw number closest to `value`.
+        """Return the raw number closest to `value`.
 
         Raises:
             FrameError: not a number, infinite, or more than half a step outside the range.
@@ -53,5 +53,5 @@ class Span:
         return min(raw, self.full - self.kept)
 
     def decode(self, raw: int) -> float:
-        """What a raw number stands for."""
+        """Return the value of a raw number."""
         return self.low + raw * (self.high - self.low) / self.full

@@ -1,4 +1,4 @@
-"""What every table of a configuration is: known keys, numbers that are numbers."""
+"""Base of all tables of a configuration: only known keys, and valid numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hangs on which bus, as tables: buses, motors, limits, loop and bench of one robot."""
+"""Tables of one robot: buses, motors, limits, loop and bench."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ Gains = Annotated[list[NotNegative], BeforeValidator(_listed)]
 
 
 class RangesTable(Table):
-    """Full scale of the fields; with ``source = "drive"`` the first three may be left out and are read."""
+    """Full scale of the fields; with ``source = "drive"`` the first three may be omitted and are read from
+    the drive.
+    """
 
     position: Positive | None = None
     velocity: Positive | None = None
@@ -40,7 +42,7 @@ class RangesTable(Table):
 
 
 class LimitsTable(Table):
-    """What an axis must never leave, at the axis (behind sign and offset).
+    """Limits of an axis, in axis coordinates (after sign and offset).
 
     Attributes:
         position: lowest and highest [rad]. velocity: [rad/s]. torque: [N m].
@@ -102,7 +104,7 @@ class MotorTable(Table):
 
     @property
     def tells_watchdog(self) -> bool:
-        """Whether its watchdog can be read back."""
+        """Return whether the watchdog can be read back."""
         return self.protocol != "mit" and (self.protocol != "odrive" or self.endpoints is not None)
 
     @property
@@ -191,27 +193,27 @@ class CanConfig(Table):
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the axes, in the order of the motors."""
+        """Return the names of the axes, in the order of the motors."""
         return tuple(motor.axis for motor in self.motor)
 
     @property
     def clock(self) -> Clock:
-        """What every process that works on these buses takes its time from."""
+        """Return the clock of all processes on these buses."""
         return Clock(self.bench.time_scale)
 
     def on(self, bus: str) -> list[MotorTable]:
-        """The motors of a bus."""
+        """Return the motors of a bus."""
         return [motor for motor in self.motor if motor.bus == bus]
 
     def gains(self) -> tuple[list[float], list[float]]:
-        """kp and kd, one per axis."""
+        """Return kp and kd, one per axis."""
         n = len(self.motor)
         kp, kd = self.loop.kp, self.loop.kd
         return (kp * n if len(kp) == 1 else kp), (kd * n if len(kd) == 1 else kd)
 
 
 def make_drive(motor: MotorTable, read: tuple[float, float, float] | None = None) -> Drive:
-    """The drive of a motor.
+    """Return the drive of a motor.
 
     Args:
         motor: what is configured.

@@ -1,4 +1,4 @@
-"""Identifiers that are taken on a bus: which two drives, or a drive and its host, would both use."""
+"""Identifiers on a bus that two drives, or a drive and its host, would both use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .tables import MotorTable, make_drive
 
 
 def id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
-    """Identifiers on one bus that two drives, or a drive and the host, would both use."""
+    """Return identifiers on one bus that two drives, or a drive and the host, would both use."""
     standard = [m for m in motors if m.protocol in ("mit", "damiao")]
     commands: dict[int, str] = {REGISTERS_ID: "the registers"} if standard else {}
     for motor in standard:
@@ -43,7 +43,7 @@ def id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
 
 
 def claimed(motor: MotorTable) -> frozenset[int]:
-    """Identifiers of 11 bits that a drive, or its host, uses; those that it cannot have are none."""
+    """Return the 11-bit identifiers that a drive, or its host, uses; impossible ones are left out."""
     try:
         drive = make_drive(motor)
     except FrameError:

@@ -1,4 +1,4 @@
-"""A model of one CAN bus: who sends when, how long it takes, and what errors lead to.
+"""A model of one CAN bus: who sends when, how long it takes, and the effect of errors.
 
 Whenever the bus falls idle, the lowest identifier among the oldest frames of all nodes wins. A frame takes
 its own bits, stuffing included. A damaged one is cut off by an error frame and sent again; a node whose
@@ -24,7 +24,7 @@ Receiver = Callable[[float, Frame], None]
 
 @dataclass(eq=False)
 class Node:
-    """One that sends and receives.
+    """A sender and receiver on the bus.
 
     Attributes:
         name: of the node.
@@ -44,11 +44,11 @@ class Node:
 
     @property
     def state(self) -> str:
-        """``active``, ``passive`` or ``off``."""
+        """Return ``active``, ``passive`` or ``off``."""
         return "off" if self.off else "passive" if self.errors > _WARN else "active"
 
     def come_back(self) -> None:
-        """On the bus again, with nothing left to send."""
+        """Return to the bus, with an empty queue."""
         self.off, self.errors = False, 0
         self.queue.clear()
 
@@ -78,26 +78,26 @@ class Wire:
         self._under_way: tuple[float, Node, Frame, bool] | None = None
 
     def attach(self, name: str, receive: Receiver, echo: Receiver | None = None) -> Node:
-        """A new node."""
+        """Return a new node."""
         node = Node(name, receive, echo)
         self.nodes.append(node)
         return node
 
     def detach(self, node: Node) -> None:
-        """A node that is gone; what it was sending is cut off."""
+        """Remove a node; a frame that it is sending is cut off."""
         self.nodes.remove(node)
         if self._under_way and self._under_way[1] is node:
             self._under_way = None
 
     def send(self, node: Node, frame: Frame, now: float) -> bool:
-        """Queues a frame; False where the queue is full or the node off the bus."""
+        """Queue a frame; return False if the queue is full or the node is off the bus."""
         if node.off or len(node.queue) >= QUEUE:
             return False
         node.queue.append((now, frame))
         return True
 
     def next_done(self) -> float | None:
-        """When the next frame will be complete [s], if nothing else comes first."""
+        """Return when the next frame will be complete [s], if nothing else comes first."""
         if self._under_way:
             return self._under_way[0]
         winner = self._winner()
@@ -107,7 +107,7 @@ class Wire:
         return start + self._takes(node.queue[0][1])
 
     def advance(self, until: float) -> None:
-        """Everything that happens up to a time [s]."""
+        """Simulate everything that happens up to a time [s]."""
         while True:
             if self._under_way is None and not self._start(until):
                 return

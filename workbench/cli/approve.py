@@ -39,7 +39,8 @@ def approve(
 ) -> None:
     """Check a model, compare it with recordings, and write the record of both that `train` requires.
 
-    Exit 1 where a check failed or the error is more than noise; the record says so too, and train refuses it.
+    Exit code 1 if a check failed or the error is above the noise; the record states this, and train refuses
+    it.
 
     Example: workbench approve leg.toml recordings/*.toml
     """

@@ -39,7 +39,7 @@ ConfigArgument = Annotated[
 def load(
     config: ConfigArgument, json: JsonOption = None, force: ForceOption = False, quiet: QuietOption = False
 ) -> None:
-    """How full each bus can get at worst; exit code 1 above 70 %.
+    """Compute the largest load of each bus; exit code 1 above 70 %.
 
     Example: workbench can load robot.toml
     """
@@ -107,7 +107,7 @@ def dbc(
 
 @can.command()
 def bus(config: ConfigArgument) -> None:
-    """Carry the buses with interface "workbench" between processes, until interrupted.
+    """Run the buses with interface "workbench" between processes, until interrupted.
 
     Example: workbench can bus robot.toml
     """
@@ -128,7 +128,7 @@ def motors(
     seed: SeedOption = 0,
     row_ms: Annotated[float, typer.Option(min=0.1, max=2.0, help="Cycle of the drives' control [ms].")] = 0.5,
 ) -> None:
-    """Run virtual motors on the buses, turning virtual legs and lone actuators, until interrupted.
+    """Run virtual motors on the buses; they turn virtual legs and single actuators, until interrupted.
 
     Example: workbench can motors robot.toml --hide coulomb_friction@knee --set torque=0.25
     """

@@ -20,7 +20,7 @@ def demo(
         str,
         typer.Argument(
             metavar="FOLDER|MODEL",
-            help="Folder for recordings, model, page and figures; or a model, its folder by -o.",
+            help="Folder for all results; or a model of your own, with -o for the folder.",
             autocompletion=complete.models,
         ),
     ] = "demo",
@@ -48,7 +48,7 @@ def demo(
 ) -> None:
     """Hide an effect in virtual hardware, record it, find the effect, add it, and then reveal the truth.
 
-    Of the reference leg, or of a model that you name, with the experiments that you plan to play.
+    The hardware is the reference leg, or a model of your own with the experiments that you plan.
 
     Example: workbench demo demo --seed 7
 

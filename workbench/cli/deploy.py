@@ -66,7 +66,7 @@ def deploy(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Run a policy over CAN; an interrupt is the emergency stop. Exit code 1 where a fault ended it.
+    """Run a policy over CAN; an interrupt is the emergency stop. Exit code 1 if a fault ended it.
 
     Example: workbench deploy reach.zip robot.toml --dry-run
     """

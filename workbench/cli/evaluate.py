@@ -11,19 +11,20 @@ from workbench.core import InputError
 
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .progress import progress
+from .scores import score_words
 
 
 def evaluate(
     bundle: Annotated[str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Where recordings go.  [required]")
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
     ] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
     seed: Annotated[
         int, typer.Option("--seed", min=0, help="Seed of the command and of the sensors' noise.")
     ] = 0,
     task: Annotated[
-        str | None, typer.Option("--task", metavar="FILE", help="The task's file, where it is Python.")
+        str | None, typer.Option("--task", metavar="FILE", help="The task file, if it is Python.")
     ] = None,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -31,7 +32,7 @@ def evaluate(
 ) -> None:
     """Run a policy on virtual hardware, a closed chain in Drake, and in the simulation it was trained in.
 
-    Both are logged as recordings, which compare reads. Exit 1 where the robot fell on the hardware.
+    Both are logged as recordings, which compare reads. Exit code 1 if the robot fell on the hardware.
 
     Example: workbench evaluate reach.zip -o evaluated
     """
@@ -67,10 +68,13 @@ def evaluate(
     if json:
         write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
-        echo(f"{loaded.task}, trained in {loaded.variant}:")
+        from workbench.report.response import words_of
+
+        echo(f"{loaded.task}, trained in the variant {words_of(loaded.variant)}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
-            echo(f"  {score:32s} {'  '.join(values)}")
+            what, unit = score_words(score)
+            echo(f"  {f'{what} [{unit}]' if unit else what:32s} {'  '.join(values)}")
         echo(f"Wrote 2 recordings to {folder}.")
         if robot:
             echo(

@@ -55,8 +55,8 @@ def fleet(
 ) -> None:
     """Diagnose each of many robots from its own logs, and say where the robots differ.
 
-    Each result is kept in FOLDER as soon as it is there; the same command goes on where it was stopped. Exit
-    code 1 where a robot could not be diagnosed.
+    Each result is written to FOLDER at once; if the command was stopped, the same command continues. Exit
+    code 1 if a robot could not be diagnosed.
 
     Example: workbench fleet logs --model leg -o found --html fleet.html
 

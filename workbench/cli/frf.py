@@ -37,7 +37,7 @@ def frf(
 ) -> None:
     """Estimate frequency responses with uncertainty; compare them with the closed chain and all variants.
 
-    Recordings about several postures are told apart by where they were made.
+    Recordings at different postures are evaluated separately.
 
     Example: workbench frf leg sum.toml difference.toml --figure frf.png
     """

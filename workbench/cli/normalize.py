@@ -54,7 +54,7 @@ def normalize(
         typer.Option(
             "--for",
             metavar="TARGET",
-            help="Target program: mujoco (4), mujoco3, mjlab, newton or urdf; what that loses is listed.",
+            help="Target program: mujoco (4), mujoco3, mjlab, newton or urdf; all losses are listed.",
             autocompletion=complete.targets,
         ),
     ] = "mujoco",
@@ -64,8 +64,8 @@ def normalize(
 ) -> None:
     """Write the S3N-normalised serial tree as plain MJCF, for any training pipeline.
 
-    Without --variant a model that is Kin-Only is written as S3N-Full where it states its linkage. A mechanism
-    whose transmission depends on the posture is fitted over its limits; how far the file is off stands in it.
+    Without --variant, a Kin-Only model that states its linkage is written as S3N-Full. A mechanism whose
+    transmission depends on the posture is fitted over its limits; the file states the remaining error.
 
     Example: workbench normalize leg -o leg.xml --variant s3n_full
 

@@ -16,6 +16,7 @@ from workbench.core import InputError
 from . import complete
 from .common import ForceOption, QuietOption, check_outputs, echo
 from .progress import progress
+from .scores import told_scores
 
 if TYPE_CHECKING:
     from workbench.core import Recording
@@ -36,19 +37,19 @@ def show(
         typer.Option(
             "--model",
             metavar="MODEL",
-            help="Of a recording: the model of its machine.",
+            help="For a recording: the model of its machine.",
             autocompletion=complete.models,
         ),
     ] = None,
     seconds: Annotated[
-        float, typer.Option("--seconds", min=1.5, max=60.0, help="Of a bundle: length of the run.")
+        float, typer.Option("--seconds", min=1.5, max=60.0, help="For a bundle: length of the run.")
     ] = 4.0,
     task: Annotated[
         str | None,
-        typer.Option("--task", metavar="FILE", help="Of a bundle: its task's file, where it is Python."),
+        typer.Option("--task", metavar="FILE", help="For a bundle: the task file, if it is Python."),
     ] = None,
     mp4: Annotated[
-        str | None, typer.Option("--mp4", metavar="FILE", help="A film too; needs ffmpeg.")
+        str | None, typer.Option("--mp4", metavar="FILE", help="Write a film as well; needs ffmpeg.")
     ] = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -83,6 +84,7 @@ def show(
 def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list[str], Scene, list[Panel]]:
     from workbench.bundle import read_bundle
     from workbench.report.motion import Panel
+    from workbench.report.response import words_of
     from workbench.simulation.scene import scene_of
     from workbench.training.curve_file import read_curve
     from workbench.training.evaluate import evaluate
@@ -106,9 +108,14 @@ def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list
         over = np.array([row["iteration"] for row in curve])
         values = {"reward per second": np.array([row.get("reward", np.nan) for row in curve])}
         panels.append(Panel("Learning", "iteration", over, values, moves=False))
-    scores = ", ".join(f"{name} {value:.4g}" for name, value in done.scores.items())
+    scores = "; ".join(
+        f"{name} {value:.4g} {unit}".rstrip() for name, unit, value in told_scores(done.scores)
+    )
     fell = "" if done.fell_s is None else f" It fell after {done.fell_s:.2f} s."
-    lines = [f"Trained in {bundle.variant}, here in the world of the training. {scores}.{fell}"]
+    lines = [
+        f"Trained in the variant {words_of(bundle.variant)}; here it runs in the same simulation. "
+        f"Scores: {scores}.{fell}"
+    ]
     return f"{bundle.task} ({file.name})", lines, scene, panels
 
 
@@ -121,7 +128,12 @@ def _of_recording(file: Path, model: str | None) -> tuple[str, list[str], Scene,
         raise InputError("no model", file=file, remedy="say which machine it is of: --model MODEL")
     (recording,) = load_recordings([file])
     scene = scene_of_recording(recording, load_model(model))
-    return recording.name, [f"A recording of {len(recording)} rows."], scene, _signals(recording)
+    return (
+        recording.name,
+        [f"A recording of {len(recording)} rows, {recording.time[-1] - recording.time[0]:.3g} s."],
+        scene,
+        _signals(recording),
+    )
 
 
 def _signals(r: Recording) -> list[Panel]:
@@ -138,5 +150,6 @@ def _signals(r: Recording) -> list[Panel]:
         panels.append(Panel(f"{axis}: position [{r.units[k]}]", "time [s]", time, own))
         if torques:
             values = {name.replace("_", " "): r.signals[name][:, k] for name in torques}
-            panels.append(Panel(f"{axis}: torque", "time [s]", time, values))
+            unit = "N" if r.units[k] == "m" else "N m"
+            panels.append(Panel(f"{axis}: torque [{unit}]", "time [s]", time, values))
     return panels

@@ -36,7 +36,7 @@ def train(
         typer.Option(
             "--model",
             metavar="MODEL",
-            help="The limb's model; default: the one that the record is of, else leg.",
+            help="Model of the limb; default: that of the record, otherwise leg.",
             autocompletion=complete.models,
         ),
     ] = None,

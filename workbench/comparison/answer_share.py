@@ -1,4 +1,4 @@
-"""How far a torque that is lacking lies on the way to one of two answers about its loop."""
+"""How far a residual torque agrees with one of two assumptions about the loop."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ _BLOCKS = 5
 
 @dataclass(frozen=True)
 class Asked:
-    """Of one axis: torque by the law less what was measured or the model needs (M,), what each answer would
-    change of it (M, 2), and what numbers that may be wrong would, (M, C) each."""
+    """Data of one axis: residual torque of the law against measurement or model (M,), its change under each
+    assumption (M, 2), and under numbers that may be wrong (M, C).
+    """
 
     lacking: np.ndarray
     answers: np.ndarray
@@ -22,12 +23,13 @@ class Asked:
 
 
 def joined(parts: Sequence[Asked]) -> Asked:
-    """Of all recordings of one axis together."""
+    """Return the data of one axis, joined over all recordings."""
     return Asked(*(np.concatenate([getattr(p, f) for p in parts]) for f in Asked.__dataclass_fields__))
 
 
 def answer_share(beside: Sequence[np.ndarray], axes: Sequence[Asked], answer: int) -> tuple[float, float]:
-    """How far the torque that is lacking lies on the way to an answer; its deviation by leaving out blocks.
+    """Return how far the residual torque agrees with one assumption, and the standard deviation from leaving
+    out blocks.
 
     `beside`: columns (M, C) of each axis that are fitted with it. What they take up says nothing.
     """

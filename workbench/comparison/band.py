@@ -1,4 +1,6 @@
-"""The band in which a measured motion says what torque it needs: above it, differentiated noise does."""
+"""The frequency band in which a measured motion shows the torque that it needs; above it, differentiated
+noise dominates.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ _LINES = 400
 
 
 def corner_hz(recording: Recording, plant: Plant, levels: NoiseLevels) -> float:
-    """Corner of the filter on both torques: `cutoff_hz`, less where noise would rule.
+    """Return the corner [Hz] of the filter on both torques: `cutoff_hz`, or less where noise would dominate.
 
     The acceleration is the fused position differentiated twice, white noise of position sigma_q and velocity
     sigma_w giving it the density omega^4 / (1 / sigma_q^2 + omega^2 / sigma_w^2).

@@ -1,4 +1,4 @@
-"""Torque where none was logged: what a loop that is known gave along the measured motion."""
+"""Torque of a log without torque: computed from the known loop along the measured motion."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _KINDS = ("pd", "cascade_pv")
 
 
 def with_torque_by_law(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...] | None:
-    """Recordings with a ``torque_measured`` by the law of their loops where they have none of their own.
+    """Return the recordings; those without a measured torque get ``torque_measured`` from the law of their
+    loop.
 
     None where one has neither. The motion is smoothed as it is for inverse dynamics.
     """

@@ -1,4 +1,6 @@
-"""Recordings of mechanisms whose transmission changes with the posture: run round their loops, and scored."""
+"""Recordings of mechanisms whose transmission changes with the posture: simulated in their loops, and
+scored.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,16 @@ from .simulated import Simulated
 
 @dataclass(frozen=True)
 class ByPosture(Replay[Never]):
-    """Every model runs the way the recordings were made; it is compared, and no effect is looked for."""
+    """A replay that simulates every model as the recordings were made; it serves comparison, not the search
+    for effects.
+    """
 
     recordings: tuple[Recording, ...]
     noise: NoiseModel
 
     @staticmethod
     def of(model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> ByPosture:
-        """With the model's loop where a recording knows none.
+        """Return the replay; recordings that do not state their loop take that of the model.
 
         Raises:
             InputError: neither knows one.
@@ -43,15 +47,15 @@ class ByPosture(Replay[Never]):
         return ByPosture(known, noise)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> ByPosture:
-        """The same for other recordings."""
+        """Return the same replay for other recordings."""
         return ByPosture.of(model, recordings, self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """Every model on all recordings; NaN where it cannot be run."""
+        """Return the runs of every model on all recordings; NaN where a model cannot be simulated."""
         return [tuple(_run(PosturePlant(m), r) for r in self.recordings[:first]) for m in models]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Noise goes round the sampled loop.
+        """Return runs of one model without and with sensor noise, which passes through the sampled loop.
 
         Raises:
             SimulationError: the model runs away in a recording's loop, or leaves its workspace.
@@ -67,15 +71,15 @@ class ByPosture(Replay[Never]):
         return Simulated(self.recordings, clean, noisy, self.noise, late)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """Not of these."""
+        """Not available for these mechanisms."""
         raise _no_search(plant.model)
 
     def loop(self, plant: Plant, index: int, motion: Motion) -> NoReturn:
-        """Not of these."""
+        """Not available for these mechanisms."""
         raise _no_search(plant.model)
 
     def propagate(self, loops: Sequence[Never], disturbances: Sequence[Disturbance]) -> NoReturn:
-        """Not of these."""
+        """Not available for these mechanisms."""
         raise SimulationError("effects are not looked for in mechanisms whose transmission changes")
 
 

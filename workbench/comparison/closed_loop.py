@@ -1,4 +1,4 @@
-"""Recordings whose loops are known: every model runs the way they were made."""
+"""Recordings with known loops: every model is simulated as the recordings were made."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ _CREEP = 4.0  # times the sliding speed: where tanh(w / 1 mrad/s), a usual law, 
 
 
 def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Recordings from where they have settled, with the model's loop where they know none."""
+    """Return the recordings without their transients; those that do not state their loop take that of the
+    model.
+    """
     return tuple(
         replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
         for r in map(settled, recordings)
@@ -42,7 +44,7 @@ def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording
 
 
 def late_by(recording: Recording) -> float:
-    """A fraction of a tick [s] by which no two simulators agree when a torque acts."""
+    """Return the fraction of a tick [s] by which simulators disagree on when a torque acts."""
     return _SHIFT * min(recording.controller.period_s or recording.period, recording.period, _LONGEST)
 
 
@@ -65,24 +67,24 @@ def _is_dry(model: Model) -> bool:
 
 @dataclass(frozen=True)
 class ClosedLoop(Replay[Loop]):
-    """Every model runs the way the recordings were made; position and torque are scored."""
+    """A replay that simulates every model as the recordings were made, and scores position and torque."""
 
     recordings: tuple[Recording, ...]
     noise: NoiseModel
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
-        """The same for other recordings."""
+        """Return the same replay for other recordings."""
         return ClosedLoop(with_loops(model, recordings), self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """All models on all recordings in one batch."""
+        """Return the runs of all models on all recordings, simulated in one batch."""
         part = self.recordings[:first]
         count = len(part)
         made = simulate([Run(m, r) for m in models for r in part], strict=False)
         return [tuple(made[k * count : (k + 1) * count]) for k in range(len(models))]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Noise goes round the sampled loop.
+        """Return runs of one model without and with sensor noise, which passes through the sampled loop.
 
         Raises:
             SimulationError: the model is unstable in a recording's loop.
@@ -120,7 +122,7 @@ class ClosedLoop(Replay[Loop]):
         return noise_by_rest(self.noise, self.recordings, clean, drawn, moved if reads else None)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The run, corrected by what the sensors say of it."""
+        """Return the simulated motion, corrected by the measurement."""
         r, levels = self.recordings[index], self.noise.levels
         to_actuator = prepare(r, plant.model).to_actuator
         usable = run if np.isfinite(run.position).all() else None
@@ -128,12 +130,12 @@ class ClosedLoop(Replay[Loop]):
         return motion_of(track, r, plant, to_actuator)
 
     def loop(self, plant: Plant, index: int, motion: Motion) -> Loop:
-        """The loop linearised about the motion."""
+        """Return the closed loop, linearised about the motion."""
         track = Track(motion.position, motion.velocity, motion.acceleration)
         return linearise(plant, prepare(self.recordings[index], plant.model), track, motion.gain)
 
     def propagate(
         self, loops: Sequence[Loop], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Round the sampled loops, side by side."""
+        """Return the responses to small disturbances, propagated through the sampled loops."""
         return propagate(loops, disturbances)

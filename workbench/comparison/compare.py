@@ -1,4 +1,4 @@
-"""Run a model the way recordings were made, and say how far it is from them and from the noise."""
+"""Simulate a model as the recordings were made, and report its error beside the noise floor."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def simulate_with_noise(
     seed: int = 0,
     noise: NoiseModel | None = None,
 ) -> Simulated:
-    """Run every recording once without noise and `draws` times with it, in one batch.
+    """Return runs of every recording in one batch: one without noise, and `draws` with noise.
 
     `noise` are the sensors, where they are known already; else the recordings say.
 
@@ -43,7 +43,7 @@ def simulate_with_noise(
 def compare(
     model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
 ) -> Comparison:
-    """Hold a model against recordings.
+    """Return the comparison of a model with recordings: error, noise floor, and where the error is.
 
     Args:
         model: what we believe.
@@ -65,7 +65,7 @@ def compare(
 
 
 def told(result: Comparison) -> Comparison:
-    """A comparison that says something.
+    """Return the comparison, if it can say anything.
 
     Raises:
         SimulationError: noise alone throws the model further off than all that was measured.
@@ -78,7 +78,7 @@ def told(result: Comparison) -> Comparison:
 
 
 def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
-    """Whether a noise floor is so large that no error can be told from it.
+    """Return whether the noise floor is so large that no error can be distinguished from it.
 
     A machine that never moved would leave an error of 1: a floor above is no nearer to the data. Where little
     but noise was measured, that is all there is to explain, and a run from a noisy state has it twice.
@@ -89,7 +89,9 @@ def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
 
 
 def cannot_run(model: str, floor: float, *, ground: bool = False) -> str:
-    """What is said of a model whose noise floor `noise_rules`; what to look at first, on the `ground` too."""
+    """Return the message for a model whose noise floor is too large (`noise_rules`): what to check first,
+    also on the `ground`.
+    """
     return (
         f"model '{model}' cannot run in these loops: sensor noise alone makes its error {floor:.3g} "
         "times the measured motion; check the order of the axes, units, signs, gains and contacts "

@@ -1,4 +1,4 @@
-"""Whether noise explains an error."""
+"""Whether noise alone explains an error."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ def consistent(
     *,
     by_signal: bool = True,
 ) -> bool:
-    """Whether the score is no larger than noise makes it, and (`by_signal`) no single signal's error either.
+    """Return whether the score is within the noise, and with `by_signal` also the error of every single
+    signal.
 
     Args:
         error_ms: mean squares (2, n) of measured minus simulated, pooled.
@@ -52,7 +53,7 @@ def consistent(
 def signal_ratios(
     error_ms: np.ndarray, draws_ms: np.ndarray, allowed: np.ndarray | float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How often its noise goes into each signal's error, and the most that noise makes of any of them.
+    """Return the error of each signal divided by its noise, and the largest ratio that noise alone gives.
 
     The largest of many signals is larger by chance than one that was picked beforehand: all of them together
     are as unlikely to exceed their limits as one alone to exceed its own (Bonferroni).
@@ -77,7 +78,7 @@ def signal_ratios(
 def outlier_of(
     axes: Sequence[str], error_ms: np.ndarray, draws_ms: np.ndarray, allowed: np.ndarray
 ) -> Outlier | None:
-    """The signal that exceeds by most what noise makes of any; None where none does.
+    """Return the signal that exceeds its largest noise ratio most; None if none does.
 
     Args:
         axes: names of the axes.

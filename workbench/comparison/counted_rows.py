@@ -1,4 +1,6 @@
-"""Which rows of a measured motion can be held against a model: valid, inside, and while something moves."""
+"""Which rows of a measured motion are compared with a model: valid, not at the ends, and while something
+moves.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ _STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
 def moving(
     readings: Sequence[Reading], wobbles: Sequence[np.ndarray], transmission: np.ndarray
 ) -> list[np.ndarray]:
-    """Which rows and axes count, (N, n) each: valid, away from the ends, and nothing stands still there.
+    """Return which rows and axes are counted, (N, n) each: valid, away from the ends, and in motion.
 
     `wobbles`: the noise of each track's velocity, (N, n), actuator coordinates.
     """
@@ -59,7 +61,9 @@ def _made_of(to_actuator: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def settled(recording: Recording) -> Recording:
-    """The recording with what follows a gap masked too: what drove the loop there is lost, and rings on."""
+    """Return the recording with the rows after a gap masked too, because the input of the loop is unknown
+    there and rings on.
+    """
     valid = np.array(recording.valid)
     edges = np.flatnonzero(np.diff(np.concatenate([[True], valid, [True]]).astype(int)))
     longest = int(_RINGING_S / recording.period)

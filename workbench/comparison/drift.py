@@ -1,4 +1,4 @@
-"""Open loops that drift: where a hundredth of the torque decides where the run ends."""
+"""Open loops that drift: one per cent of the torque decides where the run ends."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ _TORQUES = ("torque_command", "torque_measured", "torque_feedforward")
 
 
 def drifts(model: Model, recordings: Sequence[Recording]) -> bool:
-    """Whether an open loop among the recordings runs away from what was measured whatever the model.
+    """Return whether an open-loop simulation of one of the recordings diverges from the measurement for
+    every model.
 
     Nothing holds a free shaft: a little constant torque moves it further, run for seconds, than the
     excitation did, and its position says more of that than of the machine. The torque along the measured

@@ -1,4 +1,4 @@
-"""What is left of recordings that were run, against what noise alone leaves."""
+"""Residual of simulated recordings, compared with the residual from noise alone."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .where import locate
 
 
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
-    """Score runs that were made already."""
+    """Return the comparison for runs that exist already."""
     recordings = simulated.recordings
     parts = [Sums.of(simulated, i) for i in range(len(recordings))]
 
@@ -39,7 +39,7 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
 
 @dataclass(frozen=True)
 class Sums:
-    """What is left of one recording, summed over its valid rows.
+    """Sums of the residual of one recording over its valid rows.
 
     Attributes:
         recording, simulated: what is shown of it.
@@ -62,7 +62,7 @@ class Sums:
 
     @staticmethod
     def of(simulated: Simulated, index: int) -> Sums:
-        """Of one recording of those that were run."""
+        """Return the sums of one recording and its runs."""
         r, clean = simulated.recordings[index], simulated.clean[index]
         names = scored_signals(r)
         noise = np.stack([squares(draw[index], clean, names) for draw in simulated.noisy])
@@ -80,7 +80,7 @@ def concluded(
     inverse: InverseDynamics | None,
     notes: tuple[str, ...],
 ) -> Comparison:
-    """The comparison that sums say; `where` is asked where noise does not explain the error."""
+    """Return the comparison from the sums; `where` is called only if noise does not explain the error."""
     counts = [p.count for p in parts]
     entries = []
     for p in parts:

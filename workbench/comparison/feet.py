@@ -1,4 +1,4 @@
-"""Where feet are along a motion, and what the ground's force on them is to the drives."""
+"""Positions of the feet along a motion, and the torque of the ground force in the drives."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Feet:
 
     @staticmethod
     def along(plant: Plant, position: np.ndarray) -> Feet:
-        """Feet of a plant on its ground, its drives at positions (N, n)."""
+        """Return the feet of a plant on its ground, for drive positions (N, n)."""
         m = plant.mujoco
         data, feet = mujoco.MjData(m), feet_of(m, plant.contacts)
         rows = np.unique(np.append(np.arange(0, len(position), _EVERY), len(position) - 1))
@@ -53,14 +53,16 @@ class Feet:
         return Feet(*(interpolate(rows, x, len(position)) for x in (depth, normal, drives)))
 
     def torque(self, force: np.ndarray) -> np.ndarray:
-        """What forces of the ground on the feet (N, 3 F) are to the drives, (N, n), by virtual work."""
+        """Return the torque (N, n) of the drives that is equivalent to forces of the ground on the feet (N,
+        3 F), by virtual work.
+        """
         forces = force.reshape(len(force), -1, 3)
         return np.einsum("kfij,kfi->kj", self.jacobian, forces)
 
     def contact(
         self, velocity: np.ndarray, force: np.ndarray, force_noise: float, velocity_noise: np.ndarray
     ) -> Contact:
-        """What a motion of the drives with velocity (N, n) and the measured force (N, 3 F) show of contacts.
+        """Return the contact data for drive velocities (N, n) and the measured force (N, 3 F).
 
         `velocity_noise` (n,) is that of the velocity.
         """

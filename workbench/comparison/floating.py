@@ -1,4 +1,4 @@
-"""Recordings of a machine whose base floats: where the base was becomes six more axes."""
+"""Recordings of a machine with a floating base: its pose becomes six additional axes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ _UNIT = 0.05  # by which the length of a quaternion may be off, as where rows we
 
 
 def floats(recording: Recording) -> bool:
-    """Whether a recording has the axes of a base that floats."""
+    """Return whether a recording contains the axes of a floating base."""
     return recording.axes[-len(BASE_AXES) :] == BASE_AXES
 
 
 def with_base(recording: Recording, model: Model) -> Recording:
-    """A recording for a model whose base floats, with the base's coordinates as axes that nothing drives.
+    """Return a recording for a model with a floating base; the coordinates of the base are axes without
+    drives.
 
     Args:
         recording: with ``base_position`` [m] and ``base_orientation`` (w, x, y, z) of the base's frame in the

@@ -1,4 +1,4 @@
-"""Recordings whose loops are unknown: every model follows the motion that was measured."""
+"""Recordings with unknown loops: every model follows the measured motion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from .simulated import Simulated
 
 
 def followed(recordings: Sequence[Recording], why: str = "") -> tuple[Recording, ...]:
-    """Recordings with their loops unknown, whatever loop a model states; a note says why."""
+    """Return the recordings with their loops marked as unknown, whatever loop a model states; a note says
+    why.
+    """
     return tuple(_along(r, why) for r in recordings)
 
 
@@ -41,7 +43,7 @@ def _along(recording: Recording, why: str) -> Recording:
 
 
 class MeasuredMotion(Replay[Follower]):
-    """Every model follows the motion that was measured; the torque that it needs is scored.
+    """A replay in which every model follows the measured motion; the torque that it needs is scored.
 
     The position is taken from the recording, so that it says nothing of the model. Rows at the edges, where
     differentiating errs, and axes while they stand still, where dry friction takes any value, do not count.
@@ -69,23 +71,24 @@ class MeasuredMotion(Replay[Follower]):
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
-        """The same, with the same filter, for other recordings of the same kind."""
+        """Return the same replay, with the same filter, for other recordings of the same kind."""
         return MeasuredMotion(followed(recordings), self.noise, model, self._corner)
 
     def only(self, chosen: Sequence[int]) -> Self:
-        """The same for some of the recordings."""
+        """Return the same replay for some of the recordings."""
         part = super().only(chosen)
         part._drawn = {}
         return part
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """The recordings with the torque that each model needs in place of that measured."""
+        """Return the recordings with the torque that each model needs instead of the measured torque."""
         plants = [_compiled(m) for m in models]
         plants = [p if p is not None and self._foretold(p) else None for p in plants]
         return [tuple(_run(reading, p) for reading in self._read[:first]) for p in plants]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Noise of position, velocity and torque goes through differentiation, model and filter.
+        """Return runs of one model without and with noise of position, velocity and torque, which passes
+        through differentiation, model and filter.
 
         Raises:
             SimulationError: a model that no body can be.
@@ -104,18 +107,18 @@ class MeasuredMotion(Replay[Follower]):
         return Simulated(self.recordings, clean, tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The motion that was measured, whatever the run."""
+        """Return the measured motion, whatever the run."""
         del run
         return self._read[index].motion(plant)
 
     def loop(self, plant: Plant, index: int, motion: Motion) -> Follower:
-        """What a torque along the motion changes."""
+        """Return how a torque along the motion changes the required torque."""
         return Follower(self._read[index], plant, motion)
 
     def propagate(
         self, loops: Sequence[Follower], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Through the filter, and nothing else."""
+        """Return the responses to small disturbances, which pass only through the filter."""
         return [loop.respond(d) for loop, d in zip(loops, disturbances, strict=True)]
 
     def _foretold(self, plant: Plant) -> bool:

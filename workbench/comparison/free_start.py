@@ -21,7 +21,7 @@ _NOTHING = 1e-9  # of the largest column: what a fit does not tell from rounding
 
 @dataclass(frozen=True)
 class FreeStart:
-    """What unknown beginnings may add to a torque.
+    """Torques that unknown initial states of springs may add.
 
     Attributes:
         columns: torque for each beginning of one, (N, n, S).
@@ -39,7 +39,7 @@ class FreeStart:
         counts: np.ndarray,
         size: np.ndarray,
     ) -> FreeStart:
-        """By least squares over rows and axes that count.
+        """Return the least-squares fit over the rows and axes that count.
 
         Args:
             model: with its springs.
@@ -65,7 +65,7 @@ class FreeStart:
         return FreeStart(columns, solve)
 
     def without(self, torque: np.ndarray) -> np.ndarray:
-        """A torque (N, n), or several (N, n, C), less what beginnings explain of it."""
+        """Return a torque (N, n), or several (N, n, C), minus the part that the initial states explain."""
         if not len(self.solve):
             return torque
         begun = self.solve @ torque.reshape(self.solve.shape[1], -1)

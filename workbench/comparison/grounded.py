@@ -37,7 +37,7 @@ from .starts import local_state, shaken
 
 
 class Grounded(Replay[tuple[Standing, Tangents]]):
-    """Every model runs in short windows on its ground."""
+    """A replay in which every model runs on its ground in short windows."""
 
     machine_alone: ClassVar[bool] = False
     smooth: ClassVar[bool] = False
@@ -59,19 +59,23 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         self.recordings = tuple(s.recording for s in self._standing)
 
     def shows(self, effect: str) -> bool:
-        """All but what has a state that no sensor shows where a window begins."""
+        """Return whether it can show an effect: all except those with a state that no sensor shows at the
+        start of a window.
+        """
         return not kinds.has_hidden_state(effect_named(effect))
 
     def needs_runs(self, effect: Effect) -> bool:
-        """Contacts, and how deep a foot goes, are no torque along a motion."""
+        """Return whether an effect has to be simulated: contacts and the penetration of a foot are no torque
+        along a motion.
+        """
         return isinstance(effect, OnGround) or kinds.changes_foot_position(effect)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
-        """The same for other recordings."""
+        """Return the same replay for other recordings."""
         return Grounded(model, recordings, self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """All models in all windows."""
+        """Return the runs of all models in all windows."""
         standing = self._standing[:first]
         plants = [self._compiled(m) for m in models]
         pairs = [(s, p) for p in plants for s in standing]
@@ -79,7 +83,8 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         return [tuple(made[k * len(standing) : (k + 1) * len(standing)]) for k in range(len(models))]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Noise of position, velocity and torque goes through starts and windows; that of the force adds.
+        """Return runs of one model without and with noise of position, velocity and torque in starts and
+        windows; noise of the force is added.
 
         Raises:
             SimulationError: a model that no body can be, or that flies apart in the windows.
@@ -104,7 +109,7 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         return Simulated(self.recordings, tuple(clean), tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The motion that was measured, whatever the run, with what the feet do on it.
+        """Return the measured motion and the motion of the feet, whatever the run.
 
         Where no plate measured the force on the feet of a base that floats, it is that of the run.
         """
@@ -127,7 +132,7 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         return replace(base, required=required, contact=contact)
 
     def loop(self, plant: Plant, index: int, motion: Motion) -> tuple[Standing, Tangents]:
-        """What `propagate` takes."""
+        """Return the input of `propagate`."""
         del motion
         standing = self._standing[index]
         return standing, Tangents(self._on_ground(plant.model), standing.windows)
@@ -135,7 +140,7 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
     def propagate(
         self, loops: Sequence[tuple[Standing, Tangents]], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Through the windows, linearised row by row."""
+        """Return the responses to small disturbances in all windows, linearised row by row."""
         return on_all_cores(_respond, loops, disturbances)
 
     def _on_ground(self, model: Model) -> Plant:
@@ -193,7 +198,7 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
 
 
 def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """Mean squares of the force on the feet, (3 F,) each: measured minus simulated, and of the noise.
+    """Return mean squares of the force on the feet, (3 F,) each: measured minus simulated, and noise.
 
     None where it was not measured.
     """

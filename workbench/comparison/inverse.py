@@ -1,4 +1,4 @@
-"""The torque a motion needs by the model, against the torque that was measured."""
+"""The torque that the model needs for a motion, compared with the measured torque."""
 
 from __future__ import annotations
 
@@ -18,14 +18,18 @@ _BAND = 50.0  # Hz: what machines move with, unless an excitation says more
 
 
 def cutoff_hz(recording: Recording) -> float:
-    """Band in which torques are compared: 50 Hz or all that was excited, at most a fifth of the row rate."""
+    """Return the cutoff [Hz] below which torques are compared: 50 Hz or the excited band, at most a fifth of
+    the row rate.
+    """
     return min(max(_BAND, recording.excitation.f_max_hz or 0.0), 0.2 / recording.period)
 
 
 def inverse_dynamics(
     model: Model, recordings: Sequence[Recording], prior: Sequence[Recording], levels: NoiseLevels
 ) -> InverseDynamics | None:
-    """Relative torque error of the model along the measured motions; None where torque is missing."""
+    """Return the relative torque error of the model along the measured motions; None where torque is
+    missing.
+    """
     used = [(r, p) for r, p in zip(recordings, prior, strict=True) if scored_torque(r) is not None]
     if not used or not model.size:
         return None
@@ -37,13 +41,17 @@ def inverse_dynamics(
 def torque_sums(
     plant: Plant, recording: Recording, simulated: Recording | None, levels: NoiseLevels
 ) -> np.ndarray:
-    """Sums of squares over rows that count, (2, n): measured minus needed torque, and the measured one."""
+    """Return sums of squares over the counted rows, (2, n): measured minus required torque, and measured
+    torque.
+    """
     measured, needed, valid = torque_pair(plant, recording, simulated, levels)
     return np.stack([np.sum(x[valid] ** 2, axis=0) for x in (measured - needed, measured)])
 
 
 def inverse_of(sums: np.ndarray, recording: Recording) -> InverseDynamics | None:
-    """The relative error of `torque_sums` (2, n), of recordings like this one; None where no drive pushed."""
+    """Return the relative error from `torque_sums` (2, n) of recordings like this one; None if no drive gave
+    torque.
+    """
     top, bottom = sums
     if not bottom.sum() > 0.0:
         return None
@@ -56,7 +64,8 @@ def inverse_of(sums: np.ndarray, recording: Recording) -> InverseDynamics | None
 def torque_pair(
     plant: Plant, recording: Recording, simulated: Recording | None, levels: NoiseLevels
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Measured and required torque at the tap, filtered alike, (N, n) each, and the rows that count.
+    """Return measured and required torque at the point of measurement, with the same filter, (N, n) each,
+    and the counted rows.
 
     Torques are in actuator coordinates. The torque of a row is the mean of what acts just before and
     just after it, since the drive holds it from tick to tick.
@@ -74,7 +83,7 @@ def torque_pair(
 
 
 def torque_at_tap(plant: Plant, recording: Recording, track: Track, to_actuator: np.ndarray) -> np.ndarray:
-    """Measured torque (N, n), or the command behind the model's delay; actuator coordinates.
+    """Return the measured torque (N, n), or the command delayed as in the model; actuator coordinates.
 
     That of a row is the mean of what acts just before and just after it.
     """
@@ -87,7 +96,7 @@ def torque_at_tap(plant: Plant, recording: Recording, track: Track, to_actuator:
 
 
 def lowpass(values: np.ndarray, recording: Recording, corner_hz: float | None = None) -> np.ndarray:
-    """Zero-phase low-pass, at `cutoff_hz` where no corner is given."""
+    """Return the zero-phase low-pass of a signal, at `cutoff_hz` if no corner is given."""
     sos = scipy.signal.butter(
         _ORDER, corner_hz or cutoff_hz(recording), fs=1.0 / recording.period, output="sos"
     )

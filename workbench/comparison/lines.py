@@ -21,7 +21,8 @@ _SHOWN = 3
 
 
 def line_shares(errors: Sequence[RecordingError]) -> tuple[Share, ...]:
-    """Bands that hold most of the squared log-ratio of simulated to measured motion, above the noise's.
+    """Return the bands with most of the squared log ratio of simulated to measured motion, above that of the
+    noise.
 
     Args:
         errors: recordings with their simulations; those with a stated period and no feedback count, or that

@@ -1,4 +1,4 @@
-"""Comparison with logs that are too long to be held: stretch by stretch, summed over all of their rows."""
+"""Comparison with logs that are too long for memory: in stretches, summed over all rows."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ def compare_logs(
     seed: int = 0,
     progress: Callable[[str, float], None] = lambda text, done: None,
 ) -> Comparison:
-    """Hold a model against recordings of which some are long logs; without such, `compare`.
+    """Return the comparison of a model with recordings of which some are long logs; without long logs, that
+    of `compare`.
 
     A log is run in stretches, each from the state measured a second before it, so that what is summed is what
     one run of all of it would leave, but for machines that remember longer: heat begins anew, and a machine

@@ -1,4 +1,6 @@
-"""Recordings as a model takes them: its axes, and what their logs leave open of the loop."""
+"""Recordings prepared for a model: with its axes, and with assumptions for what their logs do not state of
+the loop.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +27,8 @@ _FEWEST = 30  # rows: from fewer neither their noise nor the start of a run can 
 
 
 def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Recordings as they are compared with this model: with the axes of a base that floats, and with what
-    their logs leave open of the loop by the likeliest answer.
+    """Return the recordings as they are compared with this model: with the axes of a floating base, and with
+    the most likely assumptions about the loop.
 
     Raises:
         InputError: as `matched_ways`.
@@ -35,7 +37,7 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
 
 
 def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], ...]:
-    """The same by all answers that may be right to what their logs leave open, the likeliest first.
+    """Return the recordings for all assumptions about the loop that may be right, the most likely first.
 
     Raises:
         InputError: none given, other axes, a base that floats on one side only, very few rows, or links that

@@ -1,4 +1,4 @@
-"""One recording along its measured motion: the torque that a model needs for it, and what changes that."""
+"""One recording along its measured motion: the torque that a model needs for it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidat
 
 @dataclass(frozen=True)
 class Reading:
-    """A recording's motion and torque, ready for any model.
+    """Motion and torque of a recording, prepared for any model.
 
     Attributes:
         recording: loop unknown.
@@ -60,7 +60,7 @@ class Reading:
     _rigid: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def run(self, plant: Plant | None) -> Recording:
-        """The recording with the torque that a model needs; NaN without one."""
+        """Return the recording with the torque that a model needs; NaN without a model."""
         r = self.recording
         rest = np.nan if plant is None else self.residual(plant)
         back = np.linalg.inv(self.to_actuator).T
@@ -69,25 +69,25 @@ class Reading:
         return replace(r, signals={**signals, self.name: torque}, extra={}, derived=(), notes=(), source=None)
 
     def residual(self, plant: Plant) -> np.ndarray:
-        """Measured minus needed torque behind the filter, (N, n), own coordinates; zero where none counts."""
+        """Return measured minus required torque after the filter, (N, n); zero on rows left out."""
         rest, late = self._rest(plant)
         return np.where(self.counts, rest - np.clip(self._shift(rest, late), _EARLY, _LATE) * late, 0.0)
 
     def slack(self, generator: np.random.Generator) -> np.ndarray:
-        """A draw (N, n) of what differentiating and filtering leave of a right model without any noise."""
+        """Return a random draw (N, n) of the error that differentiation and filtering cause without noise."""
         torque = self.recording.signals[self.name]
         white = lowpass(generator.standard_normal(torque.shape), self.recording, self.corner_hz)
         size = _SLACK * np.sqrt(np.mean(torque**2, axis=0)) / np.sqrt(np.mean(white**2, axis=0))
         return np.where(self.counts, size * white, 0.0)
 
     def late(self, plant: Plant) -> np.ndarray:
-        """What a row's delay of the measured torque takes off (N, n), where it may be shifted; else zero."""
+        """Return what a delay of the measured torque by one row removes (N, n); zero if not allowed."""
         rest, late = self._rest(plant)
         shift = self._shift(rest, late)
         return np.where(self.counts & (shift > _EARLY) & (shift < _LATE), late, 0.0)
 
     def free_start(self, plant: Plant) -> FreeStart:
-        """What beginnings of springs that no sensor shows may be behind, in own coordinates."""
+        """Return what unknown initial states of springs may contribute, in own coordinates."""
 
         def passed(torque: np.ndarray) -> np.ndarray:
             own = np.einsum("kjs,ji->kis", torque, self.to_actuator)
@@ -129,7 +129,7 @@ class Reading:
         return np.sum(rest * late, axis=0) / np.maximum(np.sum(late**2, axis=0), 1e-300)
 
     def motion(self, plant: Plant) -> Motion:
-        """The motion with all that effects need to know."""
+        """Return the motion with everything that effects need to know."""
         return motion_of(self._made(plant), self.recording, plant, self.to_actuator)
 
     def _made(self, plant: Plant) -> Track:
@@ -137,7 +137,7 @@ class Reading:
         return self.track if sensors.none else true_track(self.track, sensors, self.recording.period)
 
     def rigid(self, plant: Plant) -> np.ndarray:
-        """`rigid_torque` of the track as the sensors show it, remembered."""
+        """Return the `rigid_torque` of the track as the sensors show it; cached."""
         key = _fingerprint(plant.mujoco) + (_fingerprint(plant.links) if plant.bare is not None else b"")
         if key not in self._rigid:
             while len(self._rigid) > _KEPT // self.track.position.size:
@@ -159,7 +159,7 @@ def _unblurred(tap: np.ndarray) -> np.ndarray:
 def read_motion(
     recording: Recording, transmission: np.ndarray, levels: NoiseLevels, corner_hz: float
 ) -> Reading:
-    """Smooth a recording's motion; all of it counts.
+    """Return the smoothed motion of a recording; all rows count.
 
     Acceleration is kept whole inside the filter's band: what looks like noise there moved the machine too.
     """
@@ -175,14 +175,14 @@ def read_motion(
 
 @dataclass(frozen=True)
 class Follower:
-    """What changes the torque that a model needs along one track."""
+    """Changes of the torque that a model needs along one track."""
 
     reading: Reading
     plant: Plant
     motion: Motion
 
     def respond(self, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
-        """Change of position, which is none, and of the needed torque behind the filter, (N, n, C) each."""
+        """Return the change of position (zero) and of the required torque, filtered, (N, n, C) each."""
         torque = np.array(disturbance.torque)
         if self.reading.name == "torque_measured":
             # what lies between command and tap was measured, whatever the model says of it
@@ -229,7 +229,7 @@ class Follower:
 
 
 def true_track(track: Track, errors: SensorErrors, period: float) -> Track:
-    """The motion behind what sensors of position show, their delay undone; a lag of the speed is not."""
+    """Return the motion behind the readings of position sensors, with their delay removed."""
     q, w = true_motion(errors, track.position, track.velocity)
     slope = errors.scale + errors.sine * np.cos(q) - errors.cosine * np.sin(q)
     bend = -errors.sine * np.sin(q) - errors.cosine * np.cos(q)

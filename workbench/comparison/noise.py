@@ -1,4 +1,4 @@
-"""The noise floor: what a perfect model would leave, by sending sensor noise round the sampled loop."""
+"""The noise floor: the error of a perfect model, from sensor noise that passes through the sampled loop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _USUAL = 0.25  # quantile over recordings: motion only ever adds to what is take
 
 
 def rig_noise(recordings: Sequence[Recording]) -> NoiseLevels:
-    """Sensor noise of a rig: the lower quartile over its recordings, axis by axis, (n,) each."""
+    """Return the sensor noise of a rig: the lower quartile over its recordings, per axis, (n,) each."""
     levels = [noise_levels(r) for r in recordings]
 
     def usual(name: str) -> np.ndarray:
@@ -31,17 +31,17 @@ def rig_noise(recordings: Sequence[Recording]) -> NoiseLevels:
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """Sensor noise of a rig, ready to be drawn."""
+    """Sensor noise of a rig, from which draws are made."""
 
     levels: NoiseLevels
 
     @staticmethod
     def of(recordings: Sequence[Recording]) -> NoiseModel:
-        """From what the recordings say of their own sensors."""
+        """Return the noise that the recordings show for their own sensors."""
         return NoiseModel(rig_noise(recordings))
 
     def with_unlogged_rate(self, experiments: Sequence[Experiment]) -> NoiseModel:
-        """With the noise of a sensor of speed that the log left out, where loops read one."""
+        """Return the noise including that of a speed sensor which a loop reads but the log lacks."""
         read = [
             told[1]
             for e in experiments
@@ -53,7 +53,7 @@ class NoiseModel:
         return NoiseModel(replace(self.levels, velocity_std=np.median(levels, axis=0)))
 
     def draw(self, seed: int) -> SensorNoise:
-        """One draw; rounding by the encoder is done by rounding, all else by white noise."""
+        """Return one draw; encoder rounding is simulated as rounding, everything else as white noise."""
         resolution = np.nan_to_num(self.levels.position_resolution)
         rounding = resolution / np.sqrt(12.0)
         white = np.nan_to_num(self.levels.position_std)

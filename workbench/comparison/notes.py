@@ -1,4 +1,4 @@
-"""What a reader of a result on some recordings should know of them."""
+"""Notes about recordings for the reader of a result."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from .swings import is_free
 
 
 def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What a reader of a result on these recordings should know; what stands for several is said once."""
+    """Return the notes that a reader of a result on these recordings should know; notes of several
+    recordings are combined.
+    """
     names: dict[str, list[str]] = {}
     for r in recordings:
         notes = r.notes

@@ -27,7 +27,7 @@ Travel = TypeVar("Travel")
 
 
 class Replay(ABC, Generic[Travel]):
-    """Recordings and a way to run any model on them."""
+    """Recordings, and a way to replay any model on them."""
 
     recordings: tuple[Recording, ...]  #: what is replayed, with loops as they are taken
     noise: NoiseModel  #: the sensors
@@ -46,20 +46,22 @@ class Replay(ABC, Generic[Travel]):
     each: ClassVar[tuple[str, ...]] = ()
 
     def shows(self, effect: str) -> bool:
-        """Whether it can tell anything of an effect: nothing of contacts, off the ground."""
+        """Return whether the replay can show an effect; contacts are shown only on the ground."""
         return not isinstance(effect_named(effect), OnGround)
 
     def needs_runs(self, effect: Effect) -> bool:
-        """Whether an effect is no torque along a motion, so that it is screened by runs."""
+        """Return whether an effect is no torque along a motion, so that it has to be simulated for
+        screening.
+        """
         del effect
         return False
 
     @abstractmethod
     def like(self, model: Model, recordings: Sequence[Recording]) -> Replay:
-        """The same sensors and the same kind of replay for other recordings."""
+        """Return the same kind of replay with the same sensors for other recordings."""
 
     def only(self, chosen: Sequence[int]) -> Self:
-        """The same for some of the recordings."""
+        """Return the same replay for some of the recordings."""
         part = copy.copy(self)
         for name in ("recordings", *self.each):
             object.__setattr__(part, name, tuple(getattr(self, name)[i] for i in chosen))
@@ -67,22 +69,24 @@ class Replay(ABC, Generic[Travel]):
 
     @abstractmethod
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """Noise-free runs of the `first` recordings (all), one list a model; NaN where it cannot be run."""
+        """Return noise-free runs of the `first` recordings (default: all), one list per model; NaN where a
+        model cannot be simulated.
+        """
 
     @abstractmethod
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Runs of one model, without noise and with it."""
+        """Return runs of one model, without noise and with it."""
 
     @abstractmethod
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The motion of one recording, given a model's run of it."""
+        """Return the motion of one recording, given a run of a model on it."""
 
     @abstractmethod
     def loop(self, plant: Plant, index: int, motion: Motion) -> Travel:
-        """How small changes travel along a motion: what `propagate` takes."""
+        """Return how small changes travel along a motion: the input of `propagate`."""
 
     @abstractmethod
     def propagate(
         self, loops: Sequence[Travel], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Response of position and compared torque, (N, n, C) each, per loop."""
+        """Return the responses of position and compared torque, (N, n, C) each, per loop."""

@@ -1,4 +1,4 @@
-"""Which of the four kinds of replay recordings take."""
+"""Selects one of the four kinds of replay for given recordings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NAME = "name the column of the torque"
 
 
 def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
-    """How these recordings can be held against models like this one.
+    """Return the replay with which these recordings can be compared with models like this one.
 
     Where one is on the ground, all run in short windows; where one loop is unknown, or open and drifting,
     all are replayed along their measured motion: so that one score counts. What nothing drives runs swing by
@@ -61,7 +61,7 @@ def _refuse_blind(recordings: Sequence[Recording], why: str, remedy: str) -> Non
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:
-    """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
+    """Return whether the loop of a recording is unknown, so that only inverse dynamics can be compared."""
     known = recording.controller.kind != "unknown"
     return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
 

@@ -12,19 +12,22 @@ from workbench.simulation import scored_torque
 
 
 def scored_signals(recording: Recording) -> tuple[str, ...]:
-    """Names of the compared signals: position, and a torque where there is one."""
+    """Return the names of the compared signals: position, and a torque if there is one."""
     torque = scored_torque(recording)
     return ("position",) if torque is None else ("position", torque)
 
 
 def follows_motion(recording: Recording) -> bool:
-    """Whether the position is where a model is run along, since no loop is known, and so is no score."""
+    """Return whether models follow the measured position because no loop is known, so that position is not
+    scored.
+    """
     return recording.controller.kind == "unknown"
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Standard deviation of each measured signal, pooled over recordings; NaN where it never moves.
+    """Standard deviations of the measured signals, pooled over recordings; NaN for a signal that never
+    moves.
 
     `position`, `torque`: (n,).
     """
@@ -34,16 +37,18 @@ class Scale:
 
     @staticmethod
     def of(recordings: Sequence[Recording]) -> Scale:
-        """Pool the recordings' signals."""
+        """Return the deviations of the signals of these recordings."""
         return Scale(*(pooled_std(recordings, kind) for kind in ("position", "torque")))
 
     def stack(self) -> np.ndarray:
-        """Both kinds, (2, n)."""
+        """Return both kinds as one array, (2, n)."""
         return np.stack([self.position, self.torque])
 
 
 def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
-    """Pooled standard deviation (n,) of ``position`` or ``torque``; NaN for a signal that never moves."""
+    """Return the pooled standard deviation (n,) of ``position`` or ``torque``; NaN for a signal that never
+    moves.
+    """
     n = recordings[0].position.shape[1]
     parts = []
     for r in recordings:
@@ -60,7 +65,7 @@ def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
 
 
 def squares(measured: Recording, simulated: Recording, names: Sequence[str] | None = None) -> np.ndarray:
-    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not compared.
+    """Return sums of squared differences over valid rows, (2, n): position, torque; NaN where not compared.
 
     `names` are the signals to take; by default those that `measured` is scored on.
     """
@@ -74,13 +79,15 @@ def squares(measured: Recording, simulated: Recording, names: Sequence[str] | No
 
 
 def normalised(mean_squares: np.ndarray, scale: Scale) -> float:
-    """Root mean square over axes and kinds of RMSE over the signal's deviation; (2, n) -> number."""
+    """Return the root mean square over axes and kinds of RMSE divided by standard deviation; (2, n) ->
+    number.
+    """
     ratio = mean_squares / scale.stack() ** 2
     return float(np.sqrt(np.nanmean(ratio))) if np.isfinite(ratio).any() else float("nan")
 
 
 def pooled(sums: Sequence[np.ndarray], counts: Sequence[int]) -> np.ndarray:
-    """Mean squares pooled by samples, (2, n), from sums per recording and their counts."""
+    """Return mean squares (2, n), pooled by samples, from sums per recording and their counts."""
     stacked = np.stack(sums)
     weights = np.where(np.isfinite(stacked), np.array(counts)[:, None, None], 0)
     total = np.nansum(stacked, axis=0)
@@ -89,7 +96,7 @@ def pooled(sums: Sequence[np.ndarray], counts: Sequence[int]) -> np.ndarray:
 
 
 def score_runs(recordings: Sequence[Recording], runs: Sequence[Recording]) -> tuple[float, list[np.ndarray]]:
-    """`Comparison.error` of runs without noise, and the root mean squares behind it.
+    """Return `Comparison.error` of runs without noise, and the root mean squares behind it.
 
     Args:
         recordings: measured.

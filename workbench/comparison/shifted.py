@@ -23,7 +23,9 @@ _MOVED = ("position", "position_reference", "link_position")
 
 @dataclass(frozen=True)
 class Shifted:
-    """What to add to each axis's positions [rad], nil of most; the largest share left before and after."""
+    """Shift of each axis's positions [rad], zero for most; largest residual share before and after the
+    shift.
+    """
 
     by: dict[str, float]
     before: float
@@ -35,7 +37,8 @@ class Shifted:
 
 
 def shifted_axes(model: Model, recordings: Sequence[Recording]) -> Shifted | None:
-    """Quarters of a turn by which positions have to be moved for weight and inertia to agree with the torque.
+    """Return the quarter turns by which positions have to be shifted so that weight and inertia agree with
+    the torque.
 
     Args:
         model: what is believed; it may lack friction, or an effect that is no more than a part of the torque.

@@ -1,4 +1,4 @@
-"""Which columns have to be turned round for weight and inertia to agree with the torque."""
+"""Which columns have the wrong sign, from weight and inertia compared with the torque."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ALIKE = 1.5  # times more or less left of each axis, in which two explanations 
 
 @dataclass(frozen=True)
 class Turn:
-    """One axis, and whether its motion, its torque or both count the other way."""
+    """One axis, and whether its motion, its torque or both have the opposite sign."""
 
     axis: str
     motion: bool
@@ -31,13 +31,13 @@ class Turn:
 
     @property
     def columns(self) -> str:
-        """What has to be turned round."""
+        """Return the columns whose sign has to be changed."""
         if self.motion and self.torque:
             return f"all columns of '{self.axis}'"
         return f"{'position and velocity' if self.motion else 'torque'} of '{self.axis}'"
 
     def of(self, recording: Recording) -> Recording:
-        """The recording turned round."""
+        """Return the recording with these signs changed."""
         sides = np.where([axis == self.axis for axis in recording.axes], -1.0, 1.0)
         named = MOTION * self.motion + TORQUE * self.torque
         signals = {
@@ -49,7 +49,7 @@ class Turn:
 
 @dataclass(frozen=True)
 class Turned:
-    """Turns that explain the torque alike; the largest share of an axis's torque left before and after."""
+    """Sign changes that explain the torque equally well; largest residual share before and after."""
 
     turns: tuple[Turn, ...]
     before: float
@@ -67,7 +67,8 @@ class Turned:
 
 
 def turned_axes(model: Model, recordings: Sequence[Recording]) -> Turned | None:
-    """What counts the other way than the model, as the torque along the measured motion shows.
+    """Return the axes whose sign is opposite to that of the model, from the torque along the measured
+    motion.
 
     Args:
         model: what is believed; it may lack friction, or an effect that is no more than a part of the torque.

@@ -1,4 +1,4 @@
-"""What running a model on recordings gives."""
+"""Result of simulating a model on recordings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST = 1e-3  # of a signal's deviation
 
 @dataclass(frozen=True)
 class Simulated:
-    """A model's runs of recordings, without noise and with it.
+    """Runs of a model on recordings, without noise and with it.
 
     `clean`: one per recording. `noisy`: one list per draw. `noise`: the sensors. `shifted`, `creeping`: one a
     recording, from machines that no one would call another (see `ClosedLoop`); none where that is not known.
@@ -30,7 +30,7 @@ class Simulated:
     creeping: tuple[Recording, ...] = ()
 
     def immaterial(self, index: int) -> np.ndarray:
-        """Sums of squares (2, n) by which two right simulations of a recording may differ.
+        """Return the sums of squares (2, n) by which two right simulations of a recording may differ.
 
         Never much: where a loop magnifies the difference without end, that is no licence for any error. What
         creeps at rest is held by its loop: torque may differ by as much as that motion makes of it.

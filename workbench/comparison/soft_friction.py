@@ -1,4 +1,4 @@
-"""What the softness of MuJoCo's friction constraint, as a file states it, does to a comparison."""
+"""The effect of MuJoCo's soft friction constraint, as a file states it, on a comparison."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ _STATE = (
 
 
 def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | None:
-    """A note where the recordings would show that a file's dry friction is soft in MuJoCo; else None.
+    """Return a note if the recordings show that the dry friction of a file is soft in MuJoCo; otherwise
+    None.
 
     The workbench takes dry friction as rigid, whatever the file says of its constraint; a policy that trains
     in the file has it as the file says. So the model runs once more with the file's own constraint.

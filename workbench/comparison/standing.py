@@ -1,4 +1,4 @@
-"""One recording on the ground, ready to be run in short windows from measured states."""
+"""One recording on the ground, prepared for simulation in short windows from measured states."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _PRESSED, _LEAST = 6.0, 0.02  # of the force's noise, of its largest: a foot tha
 
 
 def on_ground(recording: Recording) -> bool:
-    """Whether a recording was made on the ground: it has the ground's force, or a base that floats."""
+    """Return whether a recording was made on the ground: it has a ground force or a floating base."""
     return FORCE in recording.extra or floats(recording)
 
 
 def check_ground(model: Model, recording: Recording) -> None:
-    """Refuse a recording on the ground that this model cannot stand through.
+    """Refuse a recording on the ground that this model cannot simulate.
 
     Raises:
         InputError: the model has no ground, or other feet; no torque was recorded; or an effect has a state
@@ -66,7 +66,7 @@ def check_ground(model: Model, recording: Recording) -> None:
 
 @dataclass(frozen=True)
 class Standing:
-    """One recording, ready for any model.
+    """One recording on the ground, prepared for any model.
 
     Attributes:
         recording: with what the ground's force is to the drives as a signal, rows outside of windows masked.
@@ -85,7 +85,7 @@ class Standing:
     velocity_noise: np.ndarray
 
     def run(self, plant: Plant | None) -> Recording:
-        """The recording as a plant on its ground makes it; NaN without one."""
+        """Return the recording as a plant on its ground makes it; NaN without a plant."""
         r = self.recording
         if plant is None:
             lost = {name: np.full_like(values, np.nan) for name, values in r.signals.items()}
@@ -101,14 +101,16 @@ class Standing:
         return replace(r, signals=signals, extra={FORCE: shots.force}, derived=(), notes=(), source=None)
 
     def torque(self, force: np.ndarray) -> np.ndarray:
-        """What forces on the feet (N, 3 F) are to the recording's axes, (N, n)."""
+        """Return the torque (N, n) on the axes of the recording that is equivalent to forces on the feet (N,
+        3 F).
+        """
         return self.feet.torque(force) @ self.to_actuator
 
 
 def stand(
     recording: Recording, plant: Plant, levels: NoiseLevels, stride: int, force_noise: float
 ) -> Standing:
-    """Make a recording ready to be run in windows, by a plant on its ground.
+    """Return a recording prepared for windows, by a plant on its ground.
 
     Args:
         recording: as it was read.
@@ -151,13 +153,15 @@ def stand(
 
 
 def without_ground(recording: Recording) -> Recording:
-    """A recording without what the ground does to the drives."""
+    """Return a recording without the torque of the ground in the drives."""
     signals = {name: values for name, values in recording.signals.items() if name != GROUND_TORQUE}
     return replace(recording, signals=signals)
 
 
 def tap_torque(recording: Recording, to_actuator: np.ndarray) -> np.ndarray:
-    """Torque at the tap over each row, (N, n), actuator coordinates: held, or between those of two rows."""
+    """Return the measured torque over each row, (N, n), actuator coordinates: held, or interpolated between
+    two rows.
+    """
     name = scored_torque(without_ground(recording))
     assert name is not None
     tap = recording.signals[name] @ np.linalg.inv(to_actuator)

@@ -1,4 +1,4 @@
-"""Where short windows begin, and the state there: least squares on a few rows about each."""
+"""Starts of short windows, and the state there from least squares on neighbouring rows."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ _ORDER = 5  # of a polynomial that follows an eighth of a period either way
 
 
 def half_rows(period: float) -> int:
-    """Rows before and behind one that say the state there."""
+    """Return the number of rows before and after a row from which its state is estimated."""
     return max(2, round(_HALF_S / period))
 
 
 def local_state(
     recording: Recording, levels: NoiseLevels, half: int | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position and velocity (N, n) at every row, and the deviation (n,) that noise leaves of the latter.
+    """Return position and velocity (N, n) at every row, and the standard deviation (n,) of the velocity from
+    noise.
 
     A parabola through the positions, its slope through the measured velocities, each by its noise, over the
     rows about each; the first and last rows take those of the next that has enough. Over `half` rows before
@@ -64,7 +65,8 @@ def _known(deviation: float, least: float) -> float:
 
 
 def choose_starts(recording: Recording, force: np.ndarray | None) -> np.ndarray:
-    """First rows of windows (W,), every 30 ms or so, each where the force on the feet changes least.
+    """Return the first rows of windows (W,), about every 30 ms, each where the force on the feet changes
+    least.
 
     Across a touchdown the velocity jumps, and no parabola follows it.
 
@@ -93,7 +95,8 @@ def choose_starts(recording: Recording, force: np.ndarray | None) -> np.ndarray:
 def shaken(
     clean: Recording, quiet: Recording, still: Recording, seen: Recording, moved: Recording
 ) -> Recording:
-    """A run with what noise does to the difference of a recording and a run from its own states.
+    """Return a run with the effect of noise on the difference between a recording and a run from its own
+    states.
 
     Args:
         clean: the run from the recording's states.

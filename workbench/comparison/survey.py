@@ -1,4 +1,4 @@
-"""A first look through recordings and logs: what they are held against, and some of them to learn from."""
+"""A first pass through recordings and logs: scales of the signals, and a sample of stretches."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SAMPLED = 6  # stretches of a log; sensors say in any how noisy they are
 
 
 class Survey:
-    """Pooled deviations of every signal, and a sample of stretches.
+    """Pooled standard deviations of every signal, and a sample of stretches.
 
     Attributes:
         sample: recordings, and of each log some stretches, spread over it.
@@ -31,7 +31,7 @@ class Survey:
         self._moments: list[tuple[bool, _Moments, _Moments]] = []
 
     def add(self, source: Recording | Log, pieces: Iterator[Stretch]) -> None:
-        """Look through one source.
+        """Add one source.
 
         Raises:
             InputError: other axes than the model's; a log that cannot be read, or an axis that never moves.
@@ -66,7 +66,7 @@ class Survey:
         self._moments.append((follows_motion(chosen[0]), position, torque))
 
     def scale(self, replayed: tuple[Recording, ...]) -> Scale:
-        """Deviations pooled over all rows of all sources, of signals that are scored."""
+        """Return the standard deviations of scored signals, pooled over all rows of all sources."""
         along = any(follows_motion(r) for r in replayed)
         n = self.model.size
         position = _Moments.together([p for own, p, _ in self._moments if not (along or own)])

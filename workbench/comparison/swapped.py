@@ -1,4 +1,4 @@
-"""Which two axes have each other's columns, as weight and inertia tell: without a model nothing is odd."""
+"""Which two axes have each other's columns, from weight and inertia; this cannot be seen without a model."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .weighed import best_change, left_before_and_after
 
 @dataclass(frozen=True)
 class Swapped:
-    """Two axes with each other's columns; the largest share of their torque left before and after."""
+    """Two axes with exchanged columns; largest residual share before and after the exchange."""
 
     axes: tuple[str, str]
     before: float
@@ -27,7 +27,7 @@ class Swapped:
 
 
 def swapped_axes(model: Model, recordings: Sequence[Recording]) -> Swapped | None:
-    """Two axes of which each has the other's columns, all of them.
+    """Return two axes of which each has all columns of the other; None if there are none.
 
     Args:
         model: what is believed; it may lack friction, or an effect that is no more than a part of the torque.

@@ -1,4 +1,6 @@
-"""Where swings of a motion begin that nothing drives, and how many rows say the state there."""
+"""Starts of swings in a motion without drives, and the number of rows from which the state there is
+estimated.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ _SMALLEST = 1e-6  # of an axis's range: what no sensor resolves
 
 
 def swing_starts(recording: Recording, levels: NoiseLevels) -> tuple[np.ndarray, int]:
-    """First rows of swings (W,), a period or so apart and where motion is fastest; rows beside them.
+    """Return the first rows of swings (W,), about a period apart where motion is fastest, and the number of
+    rows beside them.
 
     Dry friction turns where motion turns: in between, a polynomial follows it. What stands still first and
     moves then was held until then, and swings from there on.

@@ -40,7 +40,7 @@ _NOISE = 1.5  # times the white noise of a torque, below which it is nothing els
 
 
 def is_free(recording: Recording) -> bool:
-    """Whether nothing drives a recording: an open loop whose torque is zero, but for noise."""
+    """Return whether nothing drives a recording: an open loop whose torque is zero except for noise."""
     if recording.controller.kind != "none":
         return False
     torques = [x for name in _TORQUES if (x := recording.get(name)) is not None]
@@ -87,7 +87,7 @@ class _Swinging:
 
 
 class Swings(Replay[list[tuple[slice, Loop]]]):
-    """Every model swings from measured states; position is scored."""
+    """A replay in which every model swings from measured states; position is scored."""
 
     driven: ClassVar[bool] = False
     each: ClassVar[tuple[str, ...]] = ("_swinging",)
@@ -98,23 +98,26 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
         self.recordings = tuple(s.recording for s in self._swinging)
 
     def shows(self, effect: str) -> bool:
-        """Neither what has a state that no sensor shows where a swing begins, nor a bent reading."""
+        """Return whether it can show an effect: none with a state that no sensor shows at the start of a
+        swing, and no nonlinear reading.
+        """
         known = effect_named(effect)
         unseen = kinds.has_hidden_state(known) or kinds.bends_reading(known)
         return super().shows(effect) and not unseen
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Swings:
-        """The same sensors for other recordings."""
+        """Return the same replay with the same sensors for other recordings."""
         del model
         return Swings(recordings, self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
-        """All models on all swings in one batch."""
+        """Return the runs of all models on all swings, simulated in one batch."""
         part = self._swinging[:first]
         return self._made(models, part, [s.recording for s in part], strict=False)
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
-        """Noise of the sensors is in what swings start from, and in what they are held against.
+        """Return runs without and with sensor noise, both in the states at the starts and in the measured
+        motion.
 
         Raises:
             SimulationError: a model that no body can be, or that is unstable.
@@ -131,7 +134,7 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
         return Simulated(self.recordings, clean, tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The motion that was measured, whatever the run."""
+        """Return the measured motion, whatever the run."""
         del run
         r, levels = self.recordings[index], self.noise.levels
         to_actuator = prepare(r, plant.model).to_actuator
@@ -139,14 +142,14 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
         return motion_of(track, r, plant, to_actuator)
 
     def loop(self, plant: Plant, index: int, motion: Motion) -> list[tuple[slice, Loop]]:
-        """Each swing linearised about the motion, with its rows."""
+        """Return each swing linearised about the motion, with its rows."""
         s = self._swinging[index]
         return [(p, _linearised(plant, s.recording.rows(p), motion, p)) for p in s.parts]
 
     def propagate(
         self, loops: Sequence[list[tuple[slice, Loop]]], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Along each swing from its start, side by side."""
+        """Return the responses to small disturbances along each swing from its start."""
         pairs = [(loop, _part(d, p)) for own, d in zip(loops, disturbances, strict=True) for p, loop in own]
         made = iter(propagate([loop for loop, _ in pairs], [d for _, d in pairs]))
         out = []

@@ -1,4 +1,4 @@
-"""Which bodies of a model touch each other at the measured poses, and whether a machine's could."""
+"""Bodies of a model that touch at the measured poses, and whether this is possible for a machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ _POSES = 200  # over all recordings; a motion shows in fewer what touches
 
 
 def refuse_overlaps(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse shapes that press on each other wherever the machine was: links do not, and a run would stick.
+    """Refuse a model with bodies that overlap at all measured poses: real links do not, and a simulation
+    would get stuck.
 
     Raises:
         InputError: two links touch at every measured pose, and no exclude keeps them apart.
@@ -35,7 +36,7 @@ def refuse_overlaps(model: Model, recordings: Sequence[Recording]) -> None:
 
 
 def contact_notes(model: Model, recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What touches at the measured poses, for the reader of a result; a stated ground apart."""
+    """Return notes on bodies that touch at the measured poses, except for a stated ground."""
     shares, left_out, _ = _touching(model, recordings)
     notes = []
     for one in sorted({base for base, _ in map(tuple, left_out.values())}):

@@ -36,7 +36,7 @@ _EDGE_S = 0.3
 
 @dataclass(frozen=True)
 class Reading:
-    """Recordings by one answer to what their logs leave open of the loop.
+    """Recordings with one assumption about what their logs do not state of the loop.
 
     Attributes:
         recordings: with that answer in their timing and controller.
@@ -53,7 +53,9 @@ class Reading:
 
     @property
     def answer(self) -> tuple[bool | None, str | None]:
-        """Whether the reference stands still between rows, and how the loop gets its speed."""
+        """Return the assumption: whether the reference is constant between rows, and how the loop obtains
+        its speed.
+        """
         if not self.asked:
             return None, None
         one = self.recordings[self.asked[0]]
@@ -61,7 +63,7 @@ class Reading:
 
 
 def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ...]:
-    """Recordings by all answers to what their logs leave open of the loop that may be right, likeliest first.
+    """Return the recordings for all assumptions about the loop that may be right, the most likely first.
 
     Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
     commanded, and a PD loop is known. The torque by the law along the measured motion, less that which was
@@ -112,7 +114,7 @@ def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
 
 
 def noted(reading: Reading) -> tuple[Recording, ...]:
-    """The recordings of a reading, with notes on what was taken, and why."""
+    """Return the recordings of a reading, with notes on the assumptions and their reasons."""
     out = list(reading.recordings)
     for i in reading.asked:
         notes = list(out[i].notes)

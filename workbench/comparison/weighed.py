@@ -1,4 +1,4 @@
-"""The part of a torque that a model's weight and inertia leave unexplained, whatever its friction.
+"""The part of a torque that weight and inertia of a model do not explain, whatever its friction.
 
 And which change of the columns of a log they explain in its place.
 """
@@ -33,7 +33,7 @@ Change = TypeVar("Change")
 
 @dataclass(frozen=True)
 class Changed(Generic[Change]):
-    """A change of the columns, and the share of each drive's torque that is left before and after, (n,)."""
+    """A change of columns, and the unexplained share of each drive's torque before and after it, (n,)."""
 
     change: Change
     before: np.ndarray
@@ -47,7 +47,8 @@ def best_change(
     made: Callable[[Recording, Change], Recording],
     axes: Callable[[Change], Sequence[int] | slice],
 ) -> Changed[Change] | None:
-    """The change of columns after which the model explains the torque; None where none is needed, or does.
+    """Return the change of columns after which the model explains the torque; None if none is needed or none
+    explains it.
 
     Args:
         model: what is believed; it may lack friction, or an effect that is no more than a part of the torque.
@@ -75,13 +76,13 @@ def best_change(
 
 
 def left_before_and_after(before: float, after: float, as_it_stands: str) -> str:
-    """What the model leaves of the torque, in words: ``"the model leaves 1 % ..., as it stands 90 %"``."""
+    """Return the unexplained share in words: ``"the model leaves 1 % ..., as it stands 90 %"``."""
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     return f"the model leaves {100 * after:.2g} % of the torque unexplained, {as_it_stands} {now}"
 
 
 def is_weighable(model: Model, recordings: Sequence[Recording]) -> bool:
-    """Whether torque was logged along motions that only the drives and the weight make."""
+    """Return whether torque was logged along motions that only the drives and the weight cause."""
     return (
         not (model.floats or model.posture_dependent)
         and bool(recordings)
@@ -93,7 +94,8 @@ def is_weighable(model: Model, recordings: Sequence[Recording]) -> bool:
 
 
 def torque_left(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
-    """Share (n,) of each drive's torque, squared, that the model does not need along the measured motion.
+    """Return the share (n,) of each drive's squared torque that the model does not need along the measured
+    motion.
 
     Friction and an offset of the torque are fitted away: they are what models lack most often, and what a
     wrong sign or unit must not be taken for.

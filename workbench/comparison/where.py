@@ -1,4 +1,4 @@
-"""Where the error sits: shares of the squared error above the noise by speed, position, frequency, time."""
+"""Where the error is: shares of the squared error above the noise by speed, position, frequency, time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SMALLEST, _MOST = 0.02, 8  # share worth a line, and how many are
 def locate(
     errors: Sequence[RecordingError], noisy: Sequence[Sequence[Recording]], units: Sequence[str]
 ) -> tuple[Share, ...]:
-    """The intervals that hold most of the excess squared error of each axis and signal.
+    """Return the intervals with most of the excess squared error of each axis and signal.
 
     Position and torque are each normalised by their noise, and what the noisy simulations leave in the
     same interval is subtracted, so that within one quantity shares add up to 1 over axes and signals.
@@ -54,7 +54,9 @@ def shares_of(
     axes: Sequence[str],
     units: Sequence[str],
 ) -> tuple[Share, ...]:
-    """The largest shares in tables of edges and the excess between, by axis, signal and quantity."""
+    """Return the largest shares from tables of edges and the excess between them, by axis, signal and
+    quantity.
+    """
     shares = []
     for chosen in ("speed", "position", "time", "frequency"):
         one = {key: table for key, table in tables.items() if key[2] == chosen}
@@ -87,7 +89,7 @@ class Series:
 
     @staticmethod
     def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> Series | None:
-        """None where the signal was not measured or has no noise to be held against."""
+        """Return the series; None if the signal was not measured or has no noise to compare with."""
         names = scored_signals(e.recording)
         if kind >= len(names):
             return None
@@ -100,7 +102,7 @@ class Series:
         return Series(e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis)
 
     def spectrum(self, edges: np.ndarray) -> np.ndarray:
-        """Squared residual above the noise in each frequency band, (bands,)."""
+        """Return the squared residual above the noise in each frequency band, (bands,)."""
         noise = np.mean([self._power(w, edges) for w in self.wobbles], axis=0)
         return self._power(self.residual, edges) - noise
 
@@ -111,12 +113,12 @@ class Series:
 
 
 def bands(rate: float) -> np.ndarray:
-    """Edges of the frequency bands [Hz], from zero to half the row rate."""
+    """Return edges of the frequency bands [Hz], from zero to half the row rate."""
     return np.concatenate([[0.0], np.geomspace(rate / 2000.0, rate / 2.0, _BINS)])
 
 
 def bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges between intervals that hold equally many rows, and the excess in each."""
+    """Return edges between intervals with equal numbers of rows, and the excess in each."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 2:
         return np.array([values[0], values[0]]), np.array([excess.sum()])

@@ -1,4 +1,4 @@
-"""Where a long log's error sits: from some of its rows and the spectra of all its stretches."""
+"""Where the error of a long log is: from a part of its rows and the spectra of all its stretches."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class _Signal:
 
 
 class Excess:
-    """Squared residual above the noise of one source, gathered stretch by stretch.
+    """Squared residual above the noise of one source, collected stretch by stretch.
 
     Args:
         every: of so many rows one is kept; a prime at least as large, so that it goes with no tick.
@@ -43,7 +43,7 @@ class Excess:
         self._rate = 1.0
 
     def add(self, recording: Recording, clean: Recording, noisy: Sequence[Recording], start: float) -> None:
-        """A stretch that begins at `start` [s], with its runs."""
+        """Add a stretch that begins at `start` [s], with its runs."""
         n = len(recording.axes)
         self._axes, self._rate = recording.axes, 1.0 / recording.period
         # in units of one: the noise is known when all is through
@@ -66,7 +66,7 @@ class Excess:
 
     @staticmethod
     def together(sources: Sequence[Excess], entries: Sequence[RecordingError]) -> Located:
-        """All sources, in units of the noise that their entries have."""
+        """Return the excess of all sources, in units of the noise."""
         tables: dict[tuple[str, str, str], tuple[np.ndarray, np.ndarray]] = {}
         for key in sorted({k for s in sources for k in s._signals}):
             kind, i = key
@@ -101,5 +101,5 @@ class Located:
     axes: tuple[str, ...]
 
     def shares(self, units: Sequence[str]) -> tuple[Share, ...]:
-        """The largest."""
+        """Return the largest shares."""
         return shares_of(self.tables, self.axes, units)

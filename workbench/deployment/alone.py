@@ -1,4 +1,4 @@
-"""One host a bus: two of them command the same drives, and each takes all answers for its own."""
+"""One host per bus: two hosts would command the same drives, and each would take all answers for its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .ports import PortNetwork
 
 @contextmanager
 def alone(config: CanConfig) -> Iterator[None]:
-    """While this process commands the buses of a configuration, no other of this machine may.
+    """Prevent other processes of this computer from commanding the buses of a configuration.
 
     The lock is the kernel's and goes with the process, however it ends.
 
@@ -34,7 +34,7 @@ def alone(config: CanConfig) -> Iterator[None]:
 
 @contextmanager
 def opened(config: CanConfig) -> Iterator[PortNetwork]:
-    """The buses of a configuration, for the one host that commands them.
+    """Open the buses of a configuration for the only host that commands them.
 
     Raises:
         InputError: a bus cannot be opened, or another process commands it.

@@ -1,4 +1,4 @@
-"""How the base of a robot turns and where down is, from what an inertial unit on a bus says."""
+"""Motion of the base, from the messages of an inertial unit on a bus."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNKNOWN = np.full(3, np.nan)
 
 
 class BaseMotion(NamedTuple):
-    """In the base's frame (3,), NaN where it is not known.
+    """Motion in the frame of the base, (3,); NaN where it is not known.
 
     Attributes:
         angular: velocity [rad/s].
@@ -29,7 +29,7 @@ class BaseMotion(NamedTuple):
 
 
 class BaseFeedback:
-    """What is known of the base; without a unit in the configuration nothing, and nothing is missed.
+    """Feedback of the base; without a unit in the configuration it is empty, and never stale.
 
     Args:
         config: where the unit is.
@@ -50,16 +50,16 @@ class BaseFeedback:
         self._forces: deque[tuple[float, np.ndarray]] = deque()
 
     def age(self, now: float) -> float:
-        """Of the oldest of its quantities, by its receive stamp [s]; 0 without a unit."""
+        """Return the age of the oldest quantity, by its receive stamp [s]; 0 without a unit."""
         return now - min(self._stamps.values()) if self._unit else 0.0
 
     def same(self, now: float) -> float:
-        """Since how long it has said nothing new [s]; 0 without a unit."""
+        """Return for how long the unit has sent the same values [s]; 0 without a unit."""
         return now - self._new if self._unit else 0.0
 
     @property
     def carried(self) -> float:
-        """Which part of its weight has carried it on average of late; NaN where that is not known.
+        """Return the recent mean of specific force divided by weight; NaN if not known.
 
         What carries a base is unsteady, and legs that move pull at it; on average it is the weight of whoever
         stays on its feet, and nothing in free fall.
@@ -70,7 +70,7 @@ class BaseFeedback:
         return float(np.linalg.norm(np.mean([force for _, force in forces], axis=0)))
 
     def take(self, frame: Frame, stamp: float, now: float) -> Literal["base", "garbage", "old"] | None:
-        """One frame of its bus; returns what it was, None where it is not the unit's."""
+        """Process one frame of its bus; return its kind, or None if it does not come from the unit."""
         if self._unit is None:
             return None
         try:

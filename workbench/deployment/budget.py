@@ -1,4 +1,4 @@
-"""Whether this machine, these buses and this policy keep the loop's times: tried before anything moves."""
+"""Test whether this computer, these buses and this policy are fast enough, before anything moves."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def budget(
     host: Host, config: CanConfig, controller: Controller, say: Callable[[str], None],
     refused: Sequence[str] = (), crowd: Crowd | None = None,
 ) -> list[str]:  # fmt: skip
-    """Rehearses with drives that are still off; says which budgets of time are not kept, and returns them.
+    """Rehearse with disabled drives; report and return the time budgets that are exceeded.
 
     What is counted here is not counted in the run. What the operating system `refused` is lacking too, and
     processors that a `crowd` of others wants: a rehearsal cannot see what a busy machine does a few times a
@@ -46,7 +46,7 @@ def budget(
 
 
 def takes(act: Callable[[], object], machine: Callable[[float], float] = lambda seconds: seconds) -> float:
-    """How long a policy takes in all but one of a hundred calls, on the loop's clock [s]."""
+    """Return the time of a policy in all but one of a hundred calls, on the clock of the loop [s]."""
     spent = []
     for _ in range(_CALLS):
         begin = time.perf_counter()
@@ -56,7 +56,7 @@ def takes(act: Callable[[], object], machine: Callable[[float], float] = lambda 
 
 
 def lacking(seen: Punctuality, period: float, stale: float, policy: float = 0.0) -> list[str]:
-    """Which budget of time is not kept, a line each; none where all are.
+    """Return a line for each exceeded time budget; empty if there is none.
 
     Args:
         seen: in the rehearsal.

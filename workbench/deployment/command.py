@@ -1,4 +1,4 @@
-"""The velocity that a walking policy is asked for: from standstill, and never at once."""
+"""The commanded velocity of a walking policy: it starts at zero and is approached with a ramp."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ RATE = (0.8, 0.4, 1.0)  # m/s^2, m/s^2, rad/s^2: what is asked for is reached wi
 
 
 class Command:
-    """Moves towards what is asked for, no faster than `RATE`.
+    """A velocity that moves towards the commanded one, no faster than `RATE`.
 
     Attributes:
         asked: forward, sideward and turning speed (3,) [m/s, m/s, rad/s]; may change at any time.
@@ -20,11 +20,11 @@ class Command:
         self.value = np.zeros(3)
 
     def stand(self) -> None:
-        """From standstill again."""
+        """Start again from zero."""
         self.value = np.zeros(3)
 
     def advance(self, seconds: float) -> np.ndarray:
-        """Some time later (3,)."""
+        """Return the velocity (3,) some time later."""
         room = np.array(RATE) * seconds
         self.value = self.value + np.clip(self.asked - self.value, -room, room)
         return self.value

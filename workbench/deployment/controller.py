@@ -1,4 +1,4 @@
-"""What the loop asks every tick: where the joints are to go."""
+"""What the loop asks a controller in every tick: the targets of the joints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .base import BaseMotion
 
 
 class Target(NamedTuple):
-    """What a controller wants of the joints.
+    """Targets of a controller for the joints.
 
     Attributes:
         reference: (n,) [rad].
@@ -24,12 +24,12 @@ class Target(NamedTuple):
 
 
 class Controller(Protocol):
-    """Decides where the joints go."""
+    """Interface of a controller."""
 
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target | None:
-        """Once a tick.
+        """Return the targets; called once per tick.
 
         Args:
             now: nominal time of the tick [s].

@@ -1,4 +1,4 @@
-"""A policy that never answers: a thread damps the drives in its place, and ends the program if it must.
+"""A policy that does not answer: a thread damps the drives instead, and finally ends the program.
 
 While the loop waits for its controller nobody commands the drives; their watchdogs would let go of them,
 limp. The thread needs the interpreter: it runs beside a policy that waits or computes outside of it (ONNX
@@ -24,7 +24,7 @@ End = Callable[[int], object]
 
 
 class Deadman:
-    """Watches over each call of a controller.
+    """A watch over every call of a controller.
 
     Args:
         drives: to damp.
@@ -48,7 +48,7 @@ class Deadman:
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """While the loop runs."""
+        """Watch while the loop runs."""
         self._thread.start()
         try:
             yield
@@ -58,7 +58,7 @@ class Deadman:
 
     @contextmanager
     def over(self, damping: Sequence[Frames]) -> Iterator[None]:
-        """While a controller is asked: what is sent if it does not answer."""
+        """Watch one call of a controller; the given frames are sent if it does not answer."""
         with self._lock:
             self._damping, self._inside, self._calls = damping, True, self._calls + 1
         try:

@@ -1,4 +1,4 @@
-"""Runs a controller on hardware, or dry on virtual motors, and says how punctual that was."""
+"""Runs a controller on hardware, or on virtual motors, and reports the punctuality of the loop."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def controller_of(
     bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int,
     command: Command | None = None,
 ) -> Controller:  # fmt: skip
-    """The bundle's policy, or a tracker where there is no bundle.
+    """Return the policy of the bundle, or a tracker without a bundle.
 
     Raises:
         InputError: the bundle is not for this robot and loop.
@@ -71,7 +71,7 @@ def deploy(
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
-    """Verifies, arms, runs for some time, damps, and switches off.
+    """Verify, arm, run for some time, damp, and disable.
 
     Args:
         config: the robot.
@@ -152,7 +152,7 @@ def run_host(
     host: Host, network: Network, seconds: float, say: Callable[[str], None] = lambda line: None,
     before: Callable[[Host], object] = lambda host: None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Verifies, arms, runs, and brings down one loop; see `deploy`.
+    """Verify, arm, run, and end one loop; see `deploy`.
 
     Args:
         host: the loop.
@@ -192,7 +192,7 @@ def run_host(
 
 
 def status(host: Host) -> str:
-    """One line: phase, punctuality, temperature."""
+    """Return one line: phase, punctuality, temperature."""
     p, hottest = host.punctuality, np.nanmax(np.append(host.feedback.temperature, -273.0))
     fault = f" ({host.state.fault})" if host.state.fault else ""
     return (

@@ -1,4 +1,4 @@
-"""The wire to all drives of a robot: setpoints out, answers in, and the way down."""
+"""The connection to all drives of a robot: setpoints, answers, and the end of a run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _REPEATS = 3  # of what must arrive: frames get lost
 
 
 class Drives:
-    """The frames of one exchange, in the drives' own coordinates.
+    """The frames of one exchange, in drive coordinates.
 
     Args:
         config: buses and drives.
@@ -53,7 +53,7 @@ class Drives:
         self._told = np.inf  # when all were last commanded [s]
 
     def encode(self, out: Setpoints) -> list[Frames]:
-        """The frames of one setpoint per drive.
+        """Return the frames of one setpoint per drive.
 
         Raises:
             FrameError: a number that no frame can carry.
@@ -66,7 +66,7 @@ class Drives:
         return [burst(d.command(Setpoint(*row))) for d, row in zip(self.feedback.drives, rows, strict=True)]
 
     def send(self, frames: Sequence[Frames], only: np.ndarray | None = None) -> None:
-        """Sends its frames to each drive; to all, or to those in `only` (n,)."""
+        """Send the frames of each drive, to all or to those in `only` (n,)."""
         for index, each in enumerate(frames):
             if only is None or only[index]:
                 for frame in each:
@@ -76,33 +76,33 @@ class Drives:
             self.gap, self._told = max(self.gap, now - self._told), now
 
     def act(self, *actions: Action) -> None:
-        """Has every drive do something."""
+        """Send an action to every drive."""
         for index, drive in enumerate(self.feedback.drives):
             for action in actions:
                 for frame in burst(drive.act(action)):
                     self._network.send(self.bus[index], frame)
 
     def flush(self) -> None:
-        """Forgets what is queued on every bus."""
+        """Discard what is queued on every bus."""
         for bus in set(self.bus):
             self._network.flush(bus)
 
     def restart(self) -> None:
-        """Brings buses back that were off; from now on gaps between commands count anew."""
+        """Restart buses that were off, and the count of gaps between commands."""
         self.gap, self._told = 0.0, np.inf
         for bus in set(self.bus):
             self._network.restart(bus)
 
     def ok(self) -> bool:
-        """Whether every bus carries frames."""
+        """Return whether all buses carry frames."""
         return all(self._network.ok(bus) for bus in set(self.bus))
 
     def due(self) -> float:
-        """When the oldest feedback gets stale [s]."""
+        """Return the time at which the oldest feedback becomes stale [s]."""
         return float(self.feedback.stamp.min()) + self._stale_s + 5e-7
 
     def stale(self) -> bool:
-        """Whether a drive has been silent too long, by all that has come in: what waits is read first."""
+        """Return whether a drive has been silent for too long; waiting frames are read first."""
         if not self._old():
             return False
         self._take(self._network.now())
@@ -111,7 +111,7 @@ class Drives:
     def collect(
         self, frames: Sequence[Frames], sent: float, gap: float, watched: bool, patient: bool
     ) -> None:
-        """Takes what comes until every drive has answered; asks those once more that are late.
+        """Receive until every drive has answered; send once more to those that are late.
 
         Args:
             frames: that were sent.
@@ -142,17 +142,17 @@ class Drives:
         self.punctuality.incomplete += 1
 
     def held_up(self, now: float) -> bool:
-        """Whether the loop itself was held up."""
+        """Return whether the loop itself was delayed."""
         self.away |= now - self.looked > _AWAY * self._period
         return self.away
 
     def let_down(self, damping: Sequence[Frames], seconds: float) -> None:
-        """Sends damping for some time, whatever fails on the way: nothing but the buses is relied upon."""
+        """Send damping for some time, whatever fails; only the buses are needed."""
         for _ in range(ceil(seconds / self._period)):
             self._tell(damping)
 
     def disable(self) -> None:
-        """Disables every drive, whatever fails on the way."""
+        """Disable every drive, whatever fails."""
         for _ in range(_REPEATS):
             self._tell([burst(drive.act("disable")) for drive in self.feedback.drives])
 

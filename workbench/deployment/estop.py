@@ -1,4 +1,5 @@
-"""An emergency stop on a bus: a button that says all the time that all is well, and stops by anything else.
+"""An emergency stop on a bus: the button permits motion with every frame; anything else, or silence,
+stops.
 
 Its frame's first byte is 1 as long as motion is permitted. Every other first byte stops, and so does silence:
 a button whose cable is torn off, or whose battery is empty, is a pressed one.
@@ -12,7 +13,7 @@ _PERMITTED = 1
 
 
 class StopInput:
-    """What the button says; without one in the configuration nothing stops.
+    """State of the button; without one in the configuration nothing stops.
 
     Args:
         config: where it is.
@@ -28,7 +29,7 @@ class StopInput:
         self._refused = False
 
     def take(self, frame: Frame, stamp: float) -> bool:
-        """One frame of its bus; returns whether it is the button's."""
+        """Process one frame of its bus; return whether it comes from the button."""
         if self._table is None or frame.extended or frame.id != self._table.id:
             return False
         if frame.data[:1] == bytes([_PERMITTED]):
@@ -38,7 +39,7 @@ class StopInput:
         return True
 
     def said(self, now: float) -> str | None:
-        """What stops, if something does; a press that is over counts as one until this was asked."""
+        """Return the reason to stop, if there is one; a press counts until it was asked for."""
         if self._table is None:
             return None
         refused, self._refused = self._refused, False

@@ -19,7 +19,7 @@ _EARLY = 0.05  # of an exchange: by which a stamp may lie before its time
 
 @dataclass(frozen=True, eq=False)
 class Exchanges:
-    """What drives answered and were told, a row an exchange, (N, n); of one axis alone (N,).
+    """Answers and commands of drives, one row per exchange, (N, n); for a single axis (N,).
 
     Attributes:
         position, velocity, torque: the feedback, brought from its receive stamps to the rows' times.
@@ -37,7 +37,7 @@ class Exchanges:
 
 
 def exchanges(config: CanConfig, log: Iterable[Logged], begun: float, ticks: int) -> Exchanges:
-    """The exchanges of some ticks of a loop.
+    """Return the exchanges of some ticks of a loop.
 
     Args:
         config: buses and drives.

@@ -1,4 +1,4 @@
-"""What is known of every drive from what came in; whatever does not fit is counted and changes nothing."""
+"""Known state of every drive from received frames; frames that do not fit are counted and ignored."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SLACK = 0.05  # by which a position may step beyond what full speed allows [rad
 
 
 class Feedback:
-    """Position, velocity, torque at the axes, by drive; arrays (n,).
+    """Position, velocity, torque at the axes, per drive; arrays (n,).
 
     Attributes:
         position, velocity, torque: [rad, rad/s, N m]; NaN before the first feedback.
@@ -47,7 +47,7 @@ class Feedback:
         self._parameters: list[dict[str, float]] = [{} for _ in range(n)]
 
     def take(self, arrival: Arrival, now: float) -> None:
-        """One frame, `now` [s]."""
+        """Process one frame that was received at `now` [s]."""
         if arrival.sent:
             self.counts["echo"] += 1
             return
@@ -67,20 +67,20 @@ class Feedback:
         self.counts[base or "unknown"] += 1
 
     def parameter(self, index: int, name: str) -> float | None:
-        """A parameter that drive `index` told since it was last asked."""
+        """Return the parameter that drive `index` has sent since it was asked."""
         return self._parameters[index].get(name)
 
     def forget(self, index: int, name: str) -> None:
-        """Before a parameter is asked for."""
+        """Discard an old answer before a parameter is asked for."""
         self._parameters[index].pop(name, None)
 
     def replace(self, index: int, drive: Drive) -> None:
-        """Another drive, with the ranges that were read; what was decoded by the old ones is forgotten."""
+        """Use another drive, with the ranges that were read; decoded values are discarded."""
         self.drives[index] = drive
         self.position[index] = self.velocity[index] = self.torque[index] = np.nan
 
     def age(self, now: float) -> np.ndarray:
-        """Age of the feedback (n,) by its receive stamp [s]."""
+        """Return the age of the feedback (n,) by its receive stamp [s]."""
         return now - self.stamp
 
     def _heard(self, index: int, said: Said | Parameter | Fault, stamp: float, now: float) -> None:

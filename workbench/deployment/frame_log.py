@@ -1,4 +1,4 @@
-"""A log of all frames of a run: of virtual buses, or by a process of its own, which outlives this one."""
+"""A log of all frames of a run: from virtual buses, or by a separate process that survives this one."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ class WireLog:
         self._lines.append(line(stamp, name, frame))
 
     def watch(self, host: Host) -> None:
-        """Nothing can happen to it."""
+        """Do nothing: this log cannot fail."""
 
     def close(self) -> float:
-        """Writes the file; its stamps are those of the loop: 0 s apart."""
+        """Write the file; return the offset of its stamps from those of the loop: 0 s."""
         write_whole(self._log, "".join(self._lines))
         return 0.0
 
 
 class ProcessLog:
-    """Frames of buses, as another process hears them.
+    """Frames of buses, logged by another process.
 
     Args:
         config: whose buses.
@@ -61,18 +61,20 @@ class ProcessLog:
         self._process = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
 
     def watch(self, host: Host) -> None:
-        """Has the host stop where nothing is logged any more."""
+        """Stop the host if frames are no longer logged."""
         host.operator.watches.append(
             lambda: "the end of the logger" if self._process.poll() is not None else None
         )
 
     @property
     def shift(self) -> float:
-        """Wall clock minus monotonic time as the log's stamps have it [s]; known once the logger is ready."""
+        """Return wall clock minus monotonic time in the stamps of the log [s]; known when the logger is
+        ready.
+        """
         return float(json.loads(self._log.with_suffix(".clock").read_text().splitlines()[0])["shift"])
 
     def close(self) -> float:
-        """Ends the process; its stamps minus those of the loop [s].
+        """End the process; return its stamps minus those of the loop [s].
 
         Raises:
             RunError: it failed.

@@ -1,4 +1,4 @@
-"""From a log of frames to a recording: per-axis series on receive stamps, matched to commands."""
+"""Makes a recording of a log of frames: series per axis on receive stamps, matched to commands."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Played:
 
 
 def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recording:
-    """The recording of what was played.
+    """Return the recording of what was played.
 
     Row m is one exchange. Its position, velocity and torque are the axis's feedback, brought from its own
     receive stamp to the row's time by a spline; its `torque_command` is what was computed from that feedback,

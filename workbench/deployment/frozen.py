@@ -1,4 +1,4 @@
-"""Feedback that contradicts itself or what was asked: drives that repeat themselves, or do nothing.
+"""Feedback that contradicts itself or the commands: drives that repeat themselves, or do nothing.
 
 A drive at rest says the same bytes for as long as it rests: steps of position, speed, torque and temperature
 swallow all noise. So sameness alone is no fault. It is one where the words contradict themselves or what the
@@ -37,7 +37,7 @@ BASE_S, _MOVES = 0.1, 0.5  # s without a new word of an inertial unit, while a j
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """What is remembered of each drive's words; arrays (n,) and (3, n).
+    """State of the check of each drive; arrays (n,) and (3, n).
 
     Attributes:
         words: last position, velocity and torque.
@@ -56,7 +56,7 @@ class Watch:
 
 
 def unwatched(n: int) -> Watch:
-    """Nothing is remembered of n drives."""
+    """Return the initial state for n drives."""
     zero = np.zeros(n)
     return Watch(
         np.full((3, n), np.nan), zero, np.full(n, np.inf), np.full(n, -np.inf), zero, np.zeros((2, n))
@@ -64,7 +64,7 @@ def unwatched(n: int) -> Watch:
 
 
 def watch(limits: Limits, before: Watch, seen: Seen, last: np.ndarray, moving: bool) -> Watch:
-    """After one tick.
+    """Return the state after one tick.
 
     Args:
         limits: of every axis.
@@ -91,7 +91,7 @@ def watch(limits: Limits, before: Watch, seen: Seen, last: np.ndarray, moving: b
 
 
 def frozen(limits: Limits, state: Watch, seen: Seen) -> np.ndarray:
-    """Which drives repeat themselves although they cannot (n,)."""
+    """Return which drives repeat themselves although this is impossible (n,)."""
     long = seen.now - state.since >= limits.frozen_s
     disobeys = state.high - state.low > limits.notice
     speed = np.where(np.isfinite(state.words[1]), np.abs(state.words[1]), 0.0)  # no number: another fault
@@ -100,10 +100,12 @@ def frozen(limits: Limits, state: Watch, seen: Seen) -> np.ndarray:
 
 
 def let_go(state: Watch, seen: Seen) -> np.ndarray:
-    """Which drives have not followed their torque for long (n,)."""
+    """Return which drives have not followed their torque for long (n,)."""
     return seen.now - state.obeyed >= _LET_GO_S
 
 
 def base_frozen(seen: Seen) -> bool:
-    """Whether an inertial unit repeats itself although joints move: no sensor's noise is so still."""
+    """Return whether an inertial unit repeats itself although joints move; its noise makes this
+    impossible.
+    """
     return seen.base_same >= BASE_S and bool((np.abs(seen.velocity) > _MOVES).any())

@@ -1,4 +1,4 @@
-"""Asks a walking policy for velocities by the sticks of a gamepad; any of its buttons stops.
+"""Commands velocities to a walking policy with the sticks of a gamepad; any button stops.
 
 Read by the kernel's joystick interface (linux/joystick.h): events of 8 bytes, for every stick and button when
 it is opened and whenever one changes. A pad that is gone stops.
@@ -49,7 +49,7 @@ class Gamepad:
             ) from error  # fmt: skip
 
     def watch(self) -> str | None:
-        """Reads what happened; what presses the emergency stop."""
+        """Read the events; return the reason if the emergency stop was pressed."""
         for _ in range(16):  # a flood takes no time from the loop
             try:
                 data = os.read(self._file, 64 * _EVENT.size)
@@ -68,7 +68,7 @@ class Gamepad:
         return None
 
     def close(self) -> None:
-        """Closes the device."""
+        """Close the device."""
         os.close(self._file)
 
     def _push(self, number: int, part: float) -> None:

@@ -1,4 +1,4 @@
-"""An emergency stop on a line of the computer itself: high as long as motion is permitted.
+"""An emergency stop at an input of the computer: high as long as motion is permitted.
 
 The line is pulled down, where the chip can: a torn cable is a pressed button. Asked for by the kernel's own
 interface (linux/gpio.h, version 2 of Linux 5.10), so that no library is needed.
@@ -26,7 +26,7 @@ Ioctl = Callable[[int, int, bytearray], object]
 
 
 class Line:
-    """One line.
+    """One input.
 
     Args:
         chip: as ``/dev/gpiochip0``.
@@ -52,7 +52,7 @@ class Line:
                 os.close(file)
 
     def watch(self) -> str | None:
-        """What stops, if something does; a line that cannot be read does."""
+        """Return the reason to stop, if there is one; an input that cannot be read is one."""
         values = bytearray(_VALUES.pack(0, 1))
         try:
             self._ioctl(self._line, _GET_VALUES, values)
@@ -61,7 +61,7 @@ class Line:
         return None if _VALUES.unpack(values)[0] & 1 else "the line of the button"
 
     def close(self) -> None:
-        """Gives the line back."""
+        """Release the input."""
         os.close(self._line)
 
     def _request(self, file: int, line: int) -> int:
@@ -81,7 +81,7 @@ class Line:
 
 @contextmanager
 def stop_line(config: CanConfig, ioctl: Ioctl = fcntl.ioctl) -> Iterator[list[Callable[[], str | None]]]:
-    """What the loop has to look at: the line that a configuration names, or nothing."""
+    """Return the input that a configuration names, which the loop has to check, or nothing."""
     if config.stop is None or not config.stop.chip:
         yield []
         return

@@ -1,4 +1,4 @@
-"""The loop: sends what the last tick computed, then collects feedback and computes.
+"""The loop: sends the result of the last tick, then collects feedback and computes.
 
 That is exactly one period from a measurement to its torque: T_d is made here, and by no motor model.
 """
@@ -76,7 +76,7 @@ class Host:
         self._next: list[Frames] = []
 
     def verify(self) -> list[Verified]:
-        """Asks every drive who it is; nothing can be armed before.
+        """Ask every drive for its identity and settings; nothing can be armed before.
 
         Raises:
             VerifyError: one is not what the configuration says.
@@ -86,7 +86,7 @@ class Host:
         return told
 
     def run(self, seconds: float, each: Callable[[Host, int], bool | None] | None = None) -> None:
-        """Ticks for some time.
+        """Run ticks for some time.
 
         Args:
             seconds: how long.
@@ -110,7 +110,7 @@ class Host:
             tick = following
 
     def tick(self, at: float) -> None:
-        """One period that begins at `at` [s]."""
+        """Run one period that begins at `at` [s]."""
         self.time = at
         network, gap = self._network, self._period / self._polls
         self.operator.look()
@@ -126,7 +126,7 @@ class Host:
         self._frames = self._next
 
     def close(self, calm: float = CALM) -> None:
-        """The only way out: damps at once and for some time, then disables every drive.
+        """End the run: damp at once and for some time, then disable every drive.
 
         Whatever fails meanwhile, the drives get their damping and are told to stop; nothing but what is meant
         to end a program is raised, and that only after it.
@@ -144,19 +144,19 @@ class Host:
 
     @property
     def punctuality(self) -> Punctuality:
-        """How punctual the loop is."""
+        """Return the punctuality of the loop."""
         return self.drives.punctuality
 
     @property
     def over(self) -> bool:
-        """Whether nothing will move before somebody asks anew: damped, stopped, or could not be armed."""
+        """Return whether nothing will move before somebody arms again: damped, stopped, or not armed."""
         state = self.state
         return (
             self.operator.stop or state.phase == "damp" or (state.phase == "off" and state.fault is not None)
         )
 
     def count_anew(self) -> Punctuality:
-        """Counts from now on; returns what was counted before."""
+        """Start counting again; return what was counted before."""
         before, self.feedback.counts = self.drives.punctuality, Counter()
         self.drives.punctuality = Punctuality(counts=self.feedback.counts)
         return before

@@ -1,4 +1,4 @@
-"""Joints of a whole robot: axes that a transmission couples, and axes that are joints themselves."""
+"""Joints of a complete robot: axes that a transmission couples, and axes that are joints themselves."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Joints:
     inverse: np.ndarray = None  # pyright: ignore[reportAssignmentType]  (made of matrix)
 
     def motion(self, axes: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Joint positions and speeds (..., n) of those of the axes (..., n)."""
+        """Return joint positions and speeds (..., n) for those of the axes (..., n)."""
         q, w = axes @ self.inverse.T, speeds @ self.inverse.T
         for at, own in self.maps:
             if np.isfinite(axes[..., at]).all() and np.isfinite(speeds[..., at]).all():
@@ -49,37 +49,39 @@ class Joints:
         return q, w
 
     def position(self, axes: np.ndarray) -> np.ndarray:
-        """Joint positions (..., n) of those of the axes (..., n)."""
+        """Return joint positions (..., n) for those of the axes (..., n)."""
         return self.motion(axes, np.zeros_like(axes))[0]
 
     def axes(self, joints: np.ndarray) -> np.ndarray:
-        """Axis positions (..., n) of joint positions (..., n)."""
+        """Return axis positions (..., n) for joint positions (..., n)."""
         out = joints @ self.matrix.T
         for at, own in self.maps:
             out[..., at] = own.drives(joints[..., at])
         return out
 
     def torque(self, joints: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """Axis torques (..., n) of joint torques (..., n) at joint positions (..., n), J^-T tau_s [N m]."""
+        """Return axis torques (..., n) for joint torques (..., n) at joint positions (..., n), J^-T
+        tau_s [N m].
+        """
         out = joints @ self.inverse
         for at, own in self.maps:
             out[..., at] = own.drive_torque(position[..., at], joints[..., at])
         return out
 
     def sane(self, reference: np.ndarray) -> bool:
-        """Whether a reference (n,) is one that a controller that works could ask for."""
+        """Return whether a reference (n,) is one that a working controller could command."""
         limited = np.isfinite(self.low) & np.isfinite(self.high)
         low, high = np.where(limited, self.low, -_FAR / _HUGE), np.where(limited, self.high, _FAR / _HUGE)
         away = np.abs(reference - 0.5 * (low + high))
         return bool((away <= _HUGE * 0.5 * (high - low)).all())
 
     def within(self, reference: np.ndarray) -> np.ndarray:
-        """A reference (n,) within the joints' limits."""
+        """Return a reference (n,) clipped to the limits of the joints."""
         return np.clip(reference, self.low, self.high)
 
 
 def joints_of(config: CanConfig) -> Joints:
-    """The joints of a configuration; an axis in no mechanism is its own joint.
+    """Return the joints of a configuration; an axis without a mechanism is its own joint.
 
     Raises:
         InputError: a model cannot be read, has another number of axes, or a transmission that changes with

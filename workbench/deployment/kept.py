@@ -1,4 +1,4 @@
-"""What a run was asked for tick by tick, and its frames: so that a run can be held against a model."""
+"""Commands of a run, tick by tick, and its frames, so that the run can be compared with a model."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LONGEST = 600.0  # s; of twelve joints 40 MB
 
 
 class Kept:
-    """A controller that remembers what it asked for while the robot ran, from then on for ten minutes.
+    """A controller that stores its commands while the robot runs, for at most ten minutes.
 
     Args:
         inner: decides.
@@ -43,7 +43,7 @@ class Kept:
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target | None:
-        """What the controller asks for."""
+        """Return the targets of the controller."""
         asked = self._inner.target(now, phase, position, velocity, base)
         if phase == "run" and asked is not None and self._joints.sane(asked.reference):
             self._begun = now if self._begun is None else self._begun
@@ -54,11 +54,12 @@ class Kept:
 
     @property
     def full(self) -> bool:
-        """Whether it ran as long as is remembered."""
+        """Return whether the longest time that is stored is over."""
         return bool(np.isfinite(self._rows[0, -1]).all())
 
     def write(self, log: Path, shift: float) -> None:
-        """Writes the rows beside a log, the last one held where a tick was left out; nothing if none ran.
+        """Write the rows beside a log; a missed tick repeats the last row; nothing is written if no
+        tick ran.
 
         Args:
             log: of the frames.
@@ -78,7 +79,7 @@ class Kept:
 def logged(
     config: CanConfig, log: Path, kept: Kept, wires: Mapping[str, Wire] | None
 ) -> Iterator[WireLog | ProcessLog]:
-    """Logs the frames of a run, and at its end writes what was asked for beside them, whatever ended it.
+    """Log the frames of a run, and write the commands beside them at its end, whatever ended it.
 
     Args:
         config: whose buses are logged.

@@ -1,4 +1,4 @@
-"""What safety holds an output to: one array per axis, taken from a configuration."""
+"""Limits that safety enforces: one array per axis, from a configuration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _EARLY = 1e-6  # s, so that whoever looks at the very moment does not miss it by
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """Limits at the axes; every array (n,).
+    """Limits in axis coordinates; every array (n,).
 
     Attributes:
         low, high: of position [rad].
@@ -52,7 +52,7 @@ class Limits:
 
 
 def limits_of(config: CanConfig) -> Limits:
-    """The limits that a configuration states; feedback is stale after three periods, an action after two."""
+    """Return the limits of a configuration; feedback is stale after three periods, an action after two."""
     limits = [motor.limits for motor in config.motor]
 
     def each(name: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Writes down every frame on every bus, in a process of its own that nobody waits for."""
+"""Logs every frame on every bus, in a separate process that nobody waits for."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def log_buses(
     stop: Callable[[], bool] = lambda: False,
     ready: Callable[[], None] = lambda: None,
 ) -> int:
-    """Logs until `stop` says so; returns the number of frames.
+    """Log until `stop` returns True; return the number of frames.
 
     Stamps are monotonic time plus one constant, so that they look like wall clock time and never jump. Beside
     the log stands ``.clock``: a pair of monotonic and wall clock time each second, and that constant.

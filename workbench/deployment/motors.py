@@ -1,4 +1,4 @@
-"""Virtual motors as a process: they hear their buses and work row by row, on the clock of the bench."""
+"""Virtual motors as a process: they read their buses and run row by row on the clock of the bench."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def run_motors(
     stop: Callable[[], bool] = lambda: False,
     ready: Callable[[], None] = lambda: None,
 ) -> None:
-    """Works the motors of a bank on the buses of a configuration until `stop` says so, or the bus is gone.
+    """Run the motors on the buses of a configuration until `stop` returns True, or the bus is gone.
 
     Rows are worked in the order of their times, and no row hears what came later: one that is worked late
     does what it would have done in time, so that a process that was held up lets no watchdog run out.
@@ -30,7 +30,7 @@ def run_motors(
     Args:
         config: the buses.
         bank: motors and machines.
-        stop: asked once a row.
+        stop: asked once per row.
         ready: called when they hear.
     """
     network, waiting = PortNetwork(config, echo=False), deque[Arrival]()

@@ -1,4 +1,4 @@
-"""What a loop needs of its buses and its clock; real ones and simulated ones look alike."""
+"""Interface of buses and clock for a loop; real and simulated ones are the same."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from workbench.can import Frame
 
 
 class Arrival(NamedTuple):
-    """A frame that came in.
+    """A received frame.
 
     Attributes:
         bus: name of its bus.
@@ -24,32 +24,32 @@ class Arrival(NamedTuple):
 
 
 class Network(Protocol):
-    """Buses by name, and a monotonic clock; no wall clock decides anything."""
+    """Buses by name, and a monotonic clock; the wall clock is used for nothing."""
 
     def now(self) -> float:
-        """Monotonic time [s]."""
+        """Return the monotonic time [s]."""
         ...
 
     def sleep_until(self, time: float) -> None:
-        """Returns at `time` [s], or at once where that is past."""
+        """Return at `time` [s], or immediately if that is past."""
         ...
 
     def send(self, bus: str, frame: Frame) -> bool:
-        """Queues a frame; False where the bus is off or its queue full."""
+        """Queue a frame; return False if the bus is off or its queue full."""
         ...
 
     def receive(self, until: float) -> list[Arrival]:
-        """What has come in; waits for the first until `until` [s]."""
+        """Return the received frames; wait for the first until `until` [s]."""
         ...
 
     def ok(self, bus: str) -> bool:
-        """Whether a bus carries frames."""
+        """Return whether a bus carries frames."""
         ...
 
     def flush(self, bus: str) -> None:
-        """Forgets what is queued and was not sent."""
+        """Discard queued frames."""
         ...
 
     def restart(self, bus: str) -> None:
-        """Brings back a bus that was off."""
+        """Restart a bus that was off."""
         ...

@@ -1,4 +1,4 @@
-"""What a policy sees on hardware: the observations that drives and an inertial unit can tell, by name."""
+"""Observations of a policy on hardware that drives and an inertial unit can provide, by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PITCH_HZ = 5.0  # paper, Sec. V: the base pitches as this sine
 
 
 class Reach(NamedTuple):
-    """A sine a joint: middle + amplitude sin(rate t + phase), each (n,) [rad, rad, rad/s, rad]."""
+    """A sine per joint: middle + amplitude sin(rate t + phase), each (n,) [rad, rad, rad/s, rad]."""
 
     middle: np.ndarray
     amplitude: np.ndarray
@@ -23,16 +23,16 @@ class Reach(NamedTuple):
     phase: np.ndarray
 
     def position(self, time: float) -> np.ndarray:
-        """Joint angles (n,) [rad] at `time` [s]."""
+        """Return joint angles (n,) [rad] at `time` [s]."""
         return self.middle + self.amplitude * np.sin(self.rate * time + self.phase)
 
     def velocity(self, time: float) -> np.ndarray:
-        """Joint speeds (n,) [rad/s] at `time` [s]."""
+        """Return joint speeds (n,) [rad/s] at `time` [s]."""
         return self.amplitude * self.rate * np.cos(self.rate * time + self.phase)
 
 
 class Sight(NamedTuple):
-    """What is known when a policy is asked; arrays (n,) of joints.
+    """State at the time when a policy is asked; arrays (n,) of joints.
 
     Attributes:
         position, velocity: [rad, rad/s]. posture: of the policy [rad]. action: the last.
@@ -79,12 +79,12 @@ OF_THE_BASE = ("base_angular", "gravity")
 
 
 def observe(entries: tuple[ObservationEntry, ...], sight: Sight) -> np.ndarray:
-    """The policy's input (k,)."""
+    """Return the input of the policy (k,)."""
     return np.concatenate([entry.scale * OBSERVATIONS[entry.name](sight) for entry in entries])
 
 
 def check_layout(entries: tuple[ObservationEntry, ...], n: int, config: CanConfig) -> None:
-    """Refuses a layout that cannot be made of n joints and what a configuration has.
+    """Refuse a layout that cannot be computed from n joints and the devices of a configuration.
 
     Raises:
         InputError: an observation that nothing here can tell, or of another size or place.

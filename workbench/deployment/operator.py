@@ -1,4 +1,4 @@
-"""What people ask of a loop: motion, and that it stops."""
+"""What people command a loop: to move, and to stop."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Operator:
-    """What a person asks for.
+    """The commands of a person.
 
     Attributes:
         arm: motion.
@@ -23,11 +23,11 @@ class Operator:
     watches: list[Callable[[], str | None]] = field(default_factory=list)
 
     def press(self, what: str) -> None:
-        """Presses the emergency stop."""
+        """Press the emergency stop."""
         self.stop, self.pressed_by = True, self.pressed_by or what
 
     def look(self) -> None:
-        """Asks everybody who may press it."""
+        """Check all inputs that may press it."""
         for watch in self.watches:
             if said := watch():
                 self.press(said)

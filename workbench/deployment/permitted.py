@@ -1,4 +1,4 @@
-"""What a run may do before the first torque: approval, limits of the training, watchdogs that were tested."""
+"""What a run may do before the first torque: approval, limits of the training, tested watchdogs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ UNTESTED = 0.1  # of a torque limit, where nobody has seen the drive stop by its
 
 
 def untested(config: CanConfig) -> list[str]:
-    """Axes whose drive cannot be asked for its watchdog, and that no person has seen stop by itself."""
+    """Return axes whose drive cannot report its watchdog and that nobody has seen stop by itself."""
     return [
         motor.axis for motor in config.motor if not motor.tells_watchdog and motor.watchdog_tested is None
     ]
@@ -26,7 +26,7 @@ def untested(config: CanConfig) -> list[str]:
 def permitted(
     config: CanConfig, bundle: PolicyBundle | None, *, dry: bool, unapproved: bool, tested: bool
 ) -> tuple[Limits, list[str]]:
-    """The limits of a run, and lines that say what it is held to.
+    """Return the limits of a run, and lines that explain them.
 
     Args:
         config: the robot.
@@ -62,7 +62,8 @@ def permitted(
 
 
 def refuse_untested(config: CanConfig) -> None:
-    """Refuses an experiment on drives that may not stop by themselves: at a tenth of the torque it is none.
+    """Refuse an experiment on drives that may not stop by themselves: a tenth of the torque is not enough
+    for it.
 
     Raises:
         InputError: a drive whose watchdog nobody can read and nobody has tested.

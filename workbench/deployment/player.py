@@ -1,4 +1,4 @@
-"""Plays an excitation: holds its posture until told to begin, then one row of it a tick."""
+"""Plays an excitation: holds its posture until it is started, then one row per tick."""
 
 from __future__ import annotations
 
@@ -48,17 +48,17 @@ class Player:
 
     @property
     def seconds(self) -> float:
-        """How long it plays [s]."""
+        """Return the duration [s]."""
         return len(self.reference) * self._period
 
     def done(self, now: float) -> bool:
-        """Whether everything was played `now` [s]."""
+        """Return whether everything was played at `now` [s]."""
         return self.begun is not None and now >= self.begun + self.seconds
 
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target:
-        """The row of this tick; the posture before the first and behind the last."""
+        """Return the row of this tick; before the first and after the last row, the posture."""
         if phase != "run":
             return Target(self.reference[0], self._zero, now)
         self._ran = min(self._ran, now)

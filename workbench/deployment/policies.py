@@ -24,7 +24,9 @@ _SAME = 1e-6
 
 
 class Tracker:
-    """Follows joint trajectories without a network; until the loop runs, it waits where they begin."""
+    """A controller that follows joint trajectories without a network; until the loop runs, it waits at their
+    start.
+    """
 
     def __init__(self, goal: Reach) -> None:
         self._goal, self._begun = goal, np.inf
@@ -33,14 +35,14 @@ class Tracker:
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target:
-        """The reference of this tick."""
+        """Return the reference of this tick."""
         self._begun = min(self._begun, now) if phase == "run" else np.inf
         time = max(0.0, now - self._begun) if phase == "run" else 0.0
         return Target(self._goal.position(time), self._zero, now)
 
 
 class PolicyController:
-    """A policy: every so many ticks an action, held in between.
+    """A controller with a policy: it computes an action every few ticks and holds it in between.
 
     Args:
         bundle: what its input and output mean.
@@ -65,13 +67,13 @@ class PolicyController:
         self._action = self._zero
 
     def rehearse(self) -> np.ndarray:
-        """One call of the network (n,), of which nothing comes."""
+        """Call the network once (n,), without any effect."""
         return self._act(np.zeros(sum(entry.size for entry in self._bundle.observations)))
 
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target:
-        """The reference of this tick; the posture until the loop runs, and while it is held."""
+        """Return the reference of this tick; until the loop runs, and while it holds, the posture."""
         if phase != "run":
             self._begun, self._due, self._action = np.inf, 0, self._zero
             self._command.stand()
@@ -93,7 +95,7 @@ class PolicyController:
 
 
 def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> None:
-    """Refuses a bundle that is not for this robot and this loop.
+    """Refuse a bundle that does not fit this robot and this loop.
 
     Raises:
         InputError: layout, machine, transmission, gains, rates or delay differ, or the robot may do less than
@@ -149,7 +151,7 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
 
 
 def reach_between(low: np.ndarray, high: np.ndarray, start: np.ndarray, seed: int) -> Reach:
-    """A calm trajectory about a posture (n,): up to 0.25 rad and 1 Hz, inside limits (n,) [rad]."""
+    """Return a slow trajectory around a posture (n,): up to 0.25 rad and 1 Hz, inside limits (n,) [rad]."""
     generator = np.random.default_rng([seed, 41])
     room = np.minimum(start - low, high - start)
     amplitude = np.minimum(generator.uniform(0.1, 0.25, len(start)), 0.4 * np.maximum(room, 0.0))

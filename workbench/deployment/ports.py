@@ -54,15 +54,15 @@ class PortNetwork:
         self._selectable = len(self._names) == len(numbers)
 
     def now(self) -> float:
-        """Monotonic time [s]."""
+        """Return the monotonic time [s]."""
         return self._clock.now()
 
     def sleep_until(self, time: float) -> None:
-        """Sleeps."""
+        """Return at a time [s]."""
         self._clock.sleep_until(time)
 
     def send(self, bus: str, frame: Frame) -> bool:
-        """Queues a frame; never waits."""
+        """Queue a frame; never wait."""
         try:
             self._buses[bus].send(to_message(frame), timeout=0.0)
         except (can.CanError, OSError):
@@ -72,7 +72,7 @@ class PortNetwork:
         return True
 
     def receive(self, until: float) -> list[Arrival]:
-        """What has come in; waits for the first."""
+        """Return the received frames; wait for the first."""
         arrivals: list[Arrival] = []
         while not arrivals:
             wait = self._clock.machine(max(0.0, until - self._clock.now()))
@@ -88,7 +88,7 @@ class PortNetwork:
         return arrivals
 
     def ok(self, bus: str) -> bool:
-        """Whether a bus carries frames, and took all that it was given since it was last asked."""
+        """Return whether a bus carries frames and has accepted all frames since the last call."""
         port = self._buses[bus]
         if isinstance(port, WorkbenchBus):
             before, self._refused[bus] = self._refused.get(bus, 0), port.refused
@@ -97,14 +97,14 @@ class PortNetwork:
         return bus not in self._off
 
     def flush(self, bus: str) -> None:
-        """Forgets what is queued, where the interface can."""
+        """Discard queued frames, if the interface can."""
         try:
             self._buses[bus].flush_tx_buffer()
         except (NotImplementedError, can.CanError, OSError):
             return
 
     def restart(self, bus: str) -> None:
-        """Brings back a bus that was off; on SocketCAN the kernel's ``restart-ms`` does."""
+        """Restart a bus that was off; on SocketCAN the ``restart-ms`` of the kernel does it."""
         self._off.discard(bus)
         port = self._buses[bus]
         if isinstance(port, WorkbenchBus) and port.off:
@@ -112,11 +112,11 @@ class PortNetwork:
 
     @property
     def gone(self) -> bool:
-        """Whether no bus is left."""
+        """Return whether no bus is left."""
         return self._off >= set(self._buses)
 
     def close(self) -> None:
-        """Leaves every bus."""
+        """Leave every bus."""
         for bus in self._buses.values():
             bus.shutdown()
 
@@ -156,7 +156,7 @@ class PortNetwork:
 
 
 def monotonic_stamp(timestamp: float, wall: float, monotonic: float) -> float:
-    """A wall clock stamp on the monotonic clock [s].
+    """Return a wall clock stamp on the monotonic clock [s].
 
     Args:
         timestamp: of the frame, wall clock [s].
@@ -171,7 +171,7 @@ def monotonic_stamp(timestamp: float, wall: float, monotonic: float) -> float:
 
 
 def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> tuple[can.BusABC, bool]:
-    """A bus as configured, and whether it tells own frames from others': some cannot be asked to.
+    """Return an open bus, and whether it distinguishes own frames from those of others.
 
     Raises:
         InputError: it cannot be opened.
@@ -208,7 +208,7 @@ def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> tuple[can.B
 
 
 def refuse_unheard(config: CanConfig) -> None:
-    """Refuses buses of which another process hears nothing, as the logger of an experiment has to.
+    """Refuse buses that only one process can use, because the logger of an experiment needs them too.
 
     Raises:
         InputError: such a bus.
@@ -222,7 +222,7 @@ def refuse_unheard(config: CanConfig) -> None:
 
 
 def unheard(config: CanConfig) -> BusTable | None:
-    """The first bus of which another process hears nothing; None where all can be heard."""
+    """Return the first bus that only one process can use; None if there is none."""
     return next((bus for bus in config.bus if bus.interface not in _SHARED), None)
 
 

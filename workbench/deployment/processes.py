@@ -1,4 +1,4 @@
-"""Buses and virtual motors as processes of their own, for as long as somebody needs them."""
+"""Buses and virtual motors as separate processes, as long as they are needed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ProcessError(WorkbenchError):
 
 
 def start(*words: str) -> subprocess.Popen[str]:
-    """Runs a command of `workbench` and waits until it says that it is ready.
+    """Start a command of `workbench` and wait until it is ready.
 
     Raises:
         ProcessError: it ended instead; with what it said.
@@ -36,7 +36,7 @@ def start(*words: str) -> subprocess.Popen[str]:
 
 
 def end(process: subprocess.Popen[str]) -> str:
-    """Asks a process to end, and sees to it; returns the last line of its complaints."""
+    """End a process; return the last line of its error output."""
     if process.poll() is None:
         process.send_signal(signal.SIGTERM)
     try:
@@ -49,7 +49,7 @@ def end(process: subprocess.Popen[str]) -> str:
 
 @contextmanager
 def virtual_hardware(config: str | Path, motors: Sequence[str] = ()) -> Iterator[Callable[[], bool]]:
-    """Buses and motors of a configuration; yields whether both still run.
+    """Run buses and motors of a configuration; yield whether both still run.
 
     Args:
         config: the configuration's file.

@@ -1,4 +1,4 @@
-"""How much other programs want of the processors, as the kernel counts it."""
+"""Use of the processors by other programs, as the kernel counts it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MOST = 0.3  # of the time: three processes of a loop and its virtual drives wai
 
 
 class Crowd:
-    """From now on: how much of the time somebody waited for a processor.
+    """Share of the time, from now on, in which some program waited for a processor.
 
     Args:
         pressure: the kernel's file (Linux 4.20); without one the load of the last minute is taken.
@@ -25,7 +25,7 @@ class Crowd:
         self._begin, self._waited = clock(), _waited(pressure)
 
     def lacking(self) -> list[str]:
-        """A line where the processors are wanted by others; else none."""
+        """Return a line if other programs need the processors; otherwise none."""
         held = "a delay of a few milliseconds ends the run: stop other programs"
         waited, elapsed = _waited(self._file), self._clock() - self._begin
         if waited is not None and self._waited is not None:

@@ -1,4 +1,4 @@
-"""Runs an experiment over CAN: plays it, logs it, makes a recording of the log."""
+"""Runs an experiment over CAN: plays it, logs it, and makes a recording of the log."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _GRACE = 5.0  # s for arming, soft start and settling
 
 
 def play(host: Host, player: Player, begun: Callable[[float], None] = lambda time: None) -> None:
-    """Arms, plays to the end, damps and disables.
+    """Arm, play to the end, damp and disable.
 
     Args:
         host: the loop, with the player as its controller.
@@ -63,7 +63,7 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
 def record_simulated(
     config: CanConfig, design: Design, experiment: int, log: Path, network: SimulatedNetwork | None = None
 ) -> Recording:
-    """Plays on virtual motors in simulated time.
+    """Play on virtual motors in simulated time.
 
     Args:
         config: buses and motors.
@@ -85,7 +85,7 @@ def record_simulated(
 
 
 def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -> Recording:
-    """Plays on hardware; frames are logged by a process of its own, which outlives this one.
+    """Play on hardware; a separate process logs the frames and survives this one.
 
     Beside the log stands ``.begun``, the time of the first row: whatever happens from then on, `from_log`
     makes a recording of what was played.
@@ -110,7 +110,8 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
 
 
 def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> Recording:
-    """The recording of an experiment whose log and its ``.begun`` were left behind, up to where it broke off.
+    """Return the recording of an interrupted experiment from its log and ``.begun`` file, up to the
+    interruption.
 
     Raises:
         InputError: it broke off before anything was played.
@@ -127,7 +128,7 @@ def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> R
 
 
 def from_run(config: CanConfig, log: Path) -> Recording:
-    """The recording of a run of `deploy`, by its log and by what was asked for, which stands beside it.
+    """Return the recording of a run of `deploy`, from its log and the commands beside it.
 
     Raises:
         InputError: it never ran, or its base is free: where that was, no drive tells.
@@ -149,7 +150,7 @@ def from_run(config: CanConfig, log: Path) -> Recording:
 
 
 def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:
-    """Writes the recording, and its log as BLF beside it, all or nothing; returns the TOML file."""
+    """Write the recording, and its log as BLF beside it, all or nothing; return the TOML file."""
     path = folder / f"{result.name}.toml"
     for file in (path, path.with_suffix(".blf")):
         check_free(file, force=force)

@@ -1,4 +1,4 @@
-"""What may go out to the drives, as a function of the state, what is seen and what is wanted.
+"""What is sent to the drives, as a function of the state, the measurements and the commands.
 
 No input or output, no clock, no memory but the state that is handed in and given back: every sentence about
 it can be tried. Phases: off; arm (a setpoint where the axis is, no stiffness); soft_start; run; damp (no
@@ -25,7 +25,7 @@ _HUGE = 10.0  # times the limit: no controller that works asks for this
 
 @dataclass(frozen=True, eq=False)
 class SafetyState:
-    """What safety remembers from tick to tick.
+    """State of safety between ticks.
 
     Attributes:
         phase: see the module.
@@ -53,14 +53,14 @@ class SafetyState:
 
 
 def initial(n: int) -> SafetyState:
-    """Off, and nothing known of n axes."""
+    """Return the state off, with nothing known of n axes."""
     return SafetyState("off", 0.0, None, False, 0.0, np.zeros(n), np.zeros(n), np.zeros((2, n)), unwatched(n))
 
 
 def step(
     limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
 ) -> tuple[SafetyState, Setpoints]:
-    """One tick.
+    """Return the next state and the setpoints, for one tick.
 
     Whatever comes in, what goes out is finite, within position, velocity and gain limits, and its torque
     (stiffness included) within the torque limit.
@@ -195,7 +195,9 @@ def _limited(
 
 
 def damping(limits: Limits, q: np.ndarray, off: bool = False) -> Setpoints:
-    """No torque, no stiffness; damping at positions q (n,) [rad], or nothing at all where it is `off`."""
+    """Return setpoints without torque and stiffness: damping at positions q (n,) [rad], or nothing if
+    `off`.
+    """
     zero = np.zeros_like(q)
     kd = zero if off else np.minimum(limits.damping, limits.kd)
     return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)

@@ -1,4 +1,4 @@
-"""What safety is handed each tick: what is seen of the drives, and what is wanted of them."""
+"""Inputs of safety in each tick: measurements of the drives, and commands for them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What is known at one tick; arrays (n,), axis coordinates.
+    """Measurements at one tick; arrays (n,), axis coordinates.
 
     Attributes:
         now: monotonic time [s].
@@ -61,7 +61,7 @@ class Setpoints:
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """What a controller asks for, and how old the action behind it is [s]."""
+    """Commands of a controller, and the age of the action behind them [s]."""
 
     setpoints: Setpoints
     age: float = 0.0

@@ -1,4 +1,4 @@
-"""What a log of frames says of each axis: commands and feedback by their stamps."""
+"""Series of each axis in a log of frames: commands and feedback by their stamps."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from workbench.can.candump import Logged
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What the log says of one axis: commands and feedback by stamp, (C,), (C, 5) and (F,), (F, 3)."""
+    """Series of one axis: commands and feedback by stamp, (C,), (C, 5) and (F,), (F, 3)."""
 
     told_at: np.ndarray
     told: np.ndarray
@@ -22,7 +22,7 @@ class Series:
 
 
 def series(config: CanConfig, log: Iterable[Logged]) -> list[Series]:
-    """Commands and feedback of every axis, axis coordinates; what no drive sends or hears is left out."""
+    """Return commands and feedback of every axis, axis coordinates; frames of no drive are left out."""
     drives = [make_drive(motor, _ranges(motor)) for motor in config.motor]
     on = {bus.name: [i for i, m in enumerate(config.motor) if m.bus == bus.name] for bus in config.bus}
     told: list[list[tuple[float, ...]]] = [[] for _ in drives]

@@ -1,4 +1,4 @@
-"""Buses and virtual motors in one process, in simulated time: a network that is never late by itself."""
+"""Buses and virtual motors in one process, in simulated time: a network without delays of its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _EPS = 1e-12
 
 
 class SimulatedNetwork:
-    """See `Network`; time moves only while somebody waits.
+    """See `Network`; time advances only while somebody waits.
 
     Args:
         config: buses and motors.
@@ -51,20 +51,20 @@ class SimulatedNetwork:
         self._waiting: list[tuple[float, Arrival]] = []
 
     def now(self) -> float:
-        """Simulated time [s]."""
+        """Return the simulated time [s]."""
         return self._now
 
     def sleep_until(self, time: float) -> None:
-        """Lets the world go on until then."""
+        """Simulate until a time."""
         while self._now < time - _EPS:
             self._step(time)
 
     def send(self, bus: str, frame: Frame) -> bool:
-        """Queues a frame."""
+        """Queue a frame."""
         return self.wires[bus].send(self.hosts[bus], frame, self._now)
 
     def receive(self, until: float) -> list[Arrival]:
-        """What has come in; the world goes on until something does."""
+        """Return the received frames; simulate until there is one."""
         while True:
             ready = [a for when, a in self._waiting if when <= self._now + _EPS]
             if ready:
@@ -76,15 +76,15 @@ class SimulatedNetwork:
             self._step(until)
 
     def ok(self, bus: str) -> bool:
-        """Whether a bus carries frames."""
+        """Return whether a bus carries frames."""
         return not self.hosts[bus].off
 
     def flush(self, bus: str) -> None:
-        """Forgets what is queued."""
+        """Discard queued frames."""
         self.hosts[bus].queue.clear()
 
     def restart(self, bus: str) -> None:
-        """Brings back a bus that was off."""
+        """Restart a bus that was off."""
         if self.hosts[bus].off:
             self.hosts[bus].come_back()
 

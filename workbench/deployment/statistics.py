@@ -1,4 +1,4 @@
-"""How punctual a loop was."""
+"""The punctuality of a loop."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 @dataclass
 class Punctuality:
-    """Counted tick by tick.
+    """Counts of ticks.
 
     Attributes:
         round_trips: from the first command of a tick to the last answer [s]; only where all answered.
@@ -34,21 +34,21 @@ class Punctuality:
 
     @property
     def ticks(self) -> int:
-        """Ticks that were run."""
+        """Return the number of ticks."""
         return len(self.late)
 
     @property
     def missed(self) -> float:
-        """Share of ticks that were skipped, or began more than half a millisecond late."""
+        """Return the share of ticks that were skipped, or started more than half a millisecond late."""
         total = self.ticks + self.skipped
         return (self.skipped + sum(late > 0.5e-3 for late in self.late)) / total if total else 0.0
 
     def percentile(self, part: float) -> float:
-        """A percentile of the round trips [s]; NaN where there is none."""
+        """Return a percentile of the round trips [s]; NaN if there are none."""
         return float(np.percentile(self.round_trips, part)) if self.round_trips else float("nan")
 
     def summary(self) -> Mapping[str, Any]:
-        """For programs and status lines; times in milliseconds."""
+        """Return the numbers for programs and status lines; times in milliseconds."""
         return {
             "ticks": self.ticks,
             "skipped": self.skipped,

@@ -1,4 +1,4 @@
-"""What everybody who steers a robot shares."""
+"""Common parts of all inputs that steer a robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Every way out of a run ends in damping: an end, a fault, a signal, an exception, a parent that dies."""
+"""Ends every run with damping: at its end, a fault, a signal, an exception, or the death of the parent
+process.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,14 @@ SIGNALS = tuple(getattr(signal, f"SIG{name}") for name in ("INT", "TERM", "HUP",
 
 
 class RunError(WorkbenchError):
-    """A run that ended before its time: says why."""
+    """A run that ended early, with the reason."""
 
     exit_code = 1
 
 
 @contextmanager
 def brought_down(host: Host) -> Iterator[None]:
-    """However the block ends, every drive damps and is then disabled, before anything else happens.
+    """Damp and then disable every drive at the end of the block, before anything else happens.
 
     Signals press the emergency stop, and go on doing so until the drives are disabled: a second one, sent out
     of impatience, skips nothing. Outside the main thread no signal can be taken.
@@ -63,7 +65,8 @@ def brought_down(host: Host) -> Iterator[None]:
 
 @contextmanager
 def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
-    """What only the machine itself has: a thread beside the policy, an eye on the parent, a button's line.
+    """Start what only real hardware needs: a thread beside the policy, a watch on the parent, the input of a
+    button.
 
     Raises:
         InputError: the button's line cannot be had.
@@ -77,13 +80,15 @@ def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
 
 
 def orphaned() -> Callable[[], str | None]:
-    """A watch for the emergency stop: whoever started this process is gone, as after a dropped connection."""
+    """Return a watch that stops the run when the parent process is gone, as after a dropped connection."""
     parent = os.getppid()
     return lambda: "the death of its parent" if os.getppid() != parent else None
 
 
 def exit_code(result: Mapping[str, Any]) -> int:
-    """Of a run: 0 without a fault, 1 with one; where it was stopped, 128 and the signal's number, or 130."""
+    """Return the exit code of a run: 0 without a fault, 1 with one; if stopped, 128 plus the signal's
+    number, or 130.
+    """
     if not result["stopped"]:
         return 1 if result["fault"] else 0
     stopped_by = result["stopped_by"] or ""

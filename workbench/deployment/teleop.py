@@ -1,4 +1,4 @@
-"""Asks a walking policy for velocities while it runs: by keys, a gamepad, or datagrams of another program."""
+"""Commands velocities to a walking policy while it runs: by keys, a gamepad, or datagrams."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Keys:
         self._command, self._clip, self._file = command, clip, file
 
     def watch(self) -> str | None:
-        """Reads what was typed; what presses the emergency stop. A terminal that is gone does, too."""
+        """Read the keys; return the reason if the emergency stop was pressed or the terminal is gone."""
         while select.select([self._file], [], [], 0.0)[0]:
             typed = os.read(self._file, 64).decode("utf-8", "replace")
             if not typed:
@@ -90,7 +90,7 @@ class Datagrams:
         self.port: int = self._socket.getsockname()[1]
 
     def watch(self) -> str | None:
-        """Reads what came; what presses the emergency stop."""
+        """Read the datagrams; return the reason if one of them stops."""
         for _ in range(16):  # a flood takes no time from the loop
             try:
                 data = self._socket.recv(_LONGEST)
@@ -103,7 +103,7 @@ class Datagrams:
         return None
 
     def close(self) -> None:
-        """Gives the port back."""
+        """Release the port."""
         self._socket.close()
 
     def _take(self, data: bytes) -> bool:
@@ -131,7 +131,7 @@ class Datagrams:
 def teleoperated(
     how: str, command: Command, clip: Clip, now: Callable[[], float]
 ) -> Iterator[list[Callable[[], str | None]]]:
-    """What the loop has to look at, by ``keys``, ``pad``, ``pad:DEVICE``, ``udp:PORT`` or nothing.
+    """Return the input for ``keys``, ``pad``, ``pad:DEVICE``, ``udp:PORT`` or nothing.
 
     Raises:
         InputError: none of these, no terminal, no gamepad, or a port that is taken.

@@ -1,4 +1,4 @@
-"""What a policy was trained within, and what a run is therefore held to."""
+"""Limits within which a policy was trained, and which a run therefore keeps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Trained:
-    """Bounds of a policy's training.
+    """Limits of the training of a policy.
 
     Attributes:
         torque: of each drive (n,) [N m].
@@ -40,7 +40,7 @@ class Trained:
     looks: bool
 
     def limits(self, limits: Limits) -> Limits:
-        """Limits of a configuration, no wider than those of the training."""
+        """Return the limits of a configuration, no wider than those of the training."""
         return replace(
             limits,
             torque=np.minimum(limits.torque, self.torque),
@@ -49,7 +49,7 @@ class Trained:
         )
 
     def clipped(self, twist: np.ndarray) -> tuple[np.ndarray, str]:
-        """A command (3,) within what was trained, and a line that says what was changed; else empty."""
+        """Return a command (3,) clipped to the training, and a line that says what changed; else empty."""
         if not twist.any():
             return twist, ""
         if not self.looks:
@@ -66,7 +66,7 @@ class Trained:
 
 
 def trained_of(bundle: PolicyBundle) -> Trained:
-    """The bounds that a bundle states, and where it was written before there were any, those of its task."""
+    """Return the limits that a bundle states; for bundles from before they were stated, those of its task."""
     own = bundle.control
     names = {entry.name for entry in bundle.observations}
     looks = "velocity_command" in names
@@ -82,7 +82,7 @@ def trained_of(bundle: PolicyBundle) -> Trained:
 
 
 def check_bounds(bundle: PolicyBundle, config: CanConfig) -> None:
-    """Refuses a robot that may do less than the policy counts on.
+    """Refuse a robot with less torque or speed than the policy needs.
 
     Raises:
         InputError: an axis with less torque or speed than in training, or whose posture it may not reach.
@@ -112,7 +112,7 @@ def check_bounds(bundle: PolicyBundle, config: CanConfig) -> None:
 
 
 def wider(bundle: PolicyBundle, config: CanConfig) -> str:
-    """A line that says which limits of the robot a run does not use; empty for none."""
+    """Return a line on limits of the robot that a run does not use; empty if there are none."""
     own = bundle.control.torque_limit
     over = [m.axis for m, most in zip(config.motor, own, strict=True) if m.limits.torque > most + _SAME]
     if not over:

@@ -1,4 +1,4 @@
-"""Asks every drive who it is before anything moves: identity, mode, ranges, watchdog, each read back."""
+"""Asks every drive before anything moves: identity, mode, ranges, watchdog, each read back."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _RANGES: tuple[ParameterName, ...] = ("position", "velocity", "torque")
 
 
 class VerifyError(WorkbenchError):
-    """A drive is not what the configuration says, or says nothing."""
+    """A drive that differs from the configuration, or does not answer."""
 
     exit_code = 1
 
 
 @dataclass(frozen=True)
 class Verified:
-    """What a drive said.
+    """Answers of a drive.
 
     Attributes:
         axis: it turns.
@@ -39,7 +39,7 @@ class Verified:
 
 
 def verify(config: CanConfig, network: Network, feedback: Feedback) -> list[Verified]:
-    """Reads, sets and reads back what each drive can tell; drives stay disabled.
+    """Read, set and read back the settings of every drive; drives stay disabled.
 
     Args:
         config: what they should say.

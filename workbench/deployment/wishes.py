@@ -1,4 +1,4 @@
-"""What a controller asks for, as setpoints of the drives."""
+"""Converts commands of a controller to setpoints of the drives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .seen import Setpoints, Wanted
 
 
 class Wishes:
-    """Asks a controller, and closes the joints' loop around its answer.
+    """Asks a controller, and closes the loop of the joints around its answer.
 
     Args:
         config: gains, and who closes the loop.
@@ -37,7 +37,7 @@ class Wishes:
         self._start = np.zeros(len(config.motor))
 
     def ask(self, tick: float, state: SafetyState, feedback: Feedback) -> tuple[Wanted | None, str | None]:
-        """What is wanted, and what the controller failed with.
+        """Return the commands, and the exception of the controller if there was one.
 
         Whatever it raises on purpose or by mistake is a fault of the run; only what is meant to end a program
         (an interrupt, an exit) goes further up.

@@ -12,6 +12,7 @@ from workbench.core import EffectKey, Finding, Step, Verdict
 from workbench.core.units import unit_text
 from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
+from workbench.report.wording import effect_phrase
 
 from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, finding_lines
 from .hypothesis import Fit
@@ -205,7 +206,7 @@ def _estimated(applied: AppliedEffect) -> str:
         f"{name} {e.value:.3g} ± {2 * e.std:.2g} {unit_text(e.unit)}".strip()
         for name, e in applied.parameters.items()
     )
-    return f"{applied.key} ({', '.join(values)})"
+    return f"{effect_phrase(applied.key)} ({', '.join(values)})"
 
 
 def cut_short_line(found: SearchResult) -> tuple[str, ...]:

@@ -59,5 +59,7 @@ class AsymmetricFriction(Effect):
 
 @law
 def asymmetric_level(speed: float, torque: float, p: Sequence[float]) -> float:
-    """Bound on the friction at a speed; damping and Coulomb torque, each forwards and backwards."""
+    """Return the bound of the friction at a speed; damping and Coulomb torque, each forwards and
+    backwards.
+    """
     return p[2] + p[0] * speed if speed > 0.0 else p[3] - p[1] * speed

@@ -46,7 +46,9 @@ class Plant:
     contacts: tuple[str, ...] = ()
 
     def state_at(self, serial: np.ndarray) -> np.ndarray:
-        """Position and rate of MuJoCo's joints (..., 2, nv) from those of the serial joints, (..., 2, n)."""
+        """Return position and rate of MuJoCo's joints (..., 2, nv) from those of the serial joints,
+        (..., 2, n).
+        """
         apart = np.where(self.lift.any(axis=1), 0.0, self.mujoco.qpos0)
         return serial @ self.lift.T + np.stack([apart, np.zeros_like(apart)])
 
@@ -99,7 +101,7 @@ def _turn(applied: AppliedEffect) -> tuple[bool, bool, bool, int]:
 def compile_plant(
     model: Model, timestep: float = 0.001, held: Sequence[str] = (), grounded: bool = False
 ) -> Plant:
-    """Compile a model for simulation; off its ground, unless it is to be `grounded`.
+    """Return a compiled model for simulation; without ground contact, unless it is `grounded`.
 
     Raises:
         SimulationError: MuJoCo refuses it (a mass or inertia that no body has); says why.

@@ -67,7 +67,7 @@ _BY_NAME = {effect.name: effect for effect in EFFECTS}
 
 
 def effect_named(name: str, file: Path | None = None) -> Effect:
-    """The effect of this name; `file` is where it was named, for the error.
+    """Return the effect of this name; `file` is where it was named, for the error.
 
     Raises:
         InputError: there is none; says which are like it, or all.
@@ -81,7 +81,7 @@ def effect_named(name: str, file: Path | None = None) -> Effect:
 
 
 def places(model: Model) -> tuple[EffectKey, ...]:
-    """Every effect in every place where it could be added to this model.
+    """Return every effect in every place where it could be added to this model.
 
     An effect that the model has may be added once more where its parameters may be wrong: increments add up.
     One that repeats is then another one of its kind.
@@ -118,7 +118,9 @@ def _pin_differs(model: Model, index: int) -> bool:
 
 
 def giving_way(model: Model) -> list[tuple[Compliance, Placement | None, dict[str, float]]]:
-    """What lets a model's motors, links and base move apart: each effect, its place and nonlinear values."""
+    """Return effects that let motors, links and base move relative to each other: effect, place and
+    nonlinear values.
+    """
     known = [(effect_named(a.key.effect), a) for a in model.effects]
     return [
         (e, Placement.of(model, a.key), e.parameters.to_coefficients(a.values)[1])
@@ -128,7 +130,7 @@ def giving_way(model: Model) -> list[tuple[Compliance, Placement | None, dict[st
 
 
 def contains(general: EffectKey, special: EffectKey) -> bool:
-    """Whether an effect has another one as a special case in the same place."""
+    """Return whether an effect has another one as a special case in the same place."""
     effect = effect_named(general.effect)
     same = (general.axis, general.location) == (special.axis, special.location)
     return special.effect in effect.search.contains and (same or not effect.locations)

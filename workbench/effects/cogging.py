@@ -203,5 +203,5 @@ class Cogging(Effect):
 
 @law
 def ripple(position: float, speed: float, p: Sequence[float]) -> float:
-    """The torque at a position; amplitude, order and phase."""
+    """Return the torque at a position; amplitude, order and phase."""
     return p[0] * math.sin(p[1] * position + p[2])

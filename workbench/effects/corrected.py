@@ -1,4 +1,4 @@
-"""Numbers of a model that an effect is more or less of: what the model has, and where its file has it."""
+"""Numbers of a model that an effect corrects: the value in the model, and its place in the file."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ class AtJoint:
     called: str = ""
 
     def told_by(self, values: Mapping[str, float]) -> AtJoint:
-        """Itself, whatever the values."""
+        """Return itself, whatever the values."""
         del values
         return self
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> JointNumber | None:
-        """Which number of the model's MJCF or URDF holds this; None where none does."""
+        """Return the number in the model's MJCF or URDF that holds this; None if there is none."""
         turned, more = turned_joint(model, place), values[self.parameter]
         if turned is not None:
             joint, ratio = turned
@@ -71,11 +71,13 @@ class OfBody:
     special: Mapping[str, OfBody] = field(default_factory=dict)
 
     def told_by(self, values: Mapping[str, float]) -> OfBody:
-        """The number that is wrong where an effect has these values."""
+        """Return the number that is wrong if an effect has these values."""
         return next((number for name, number in self.special.items() if name in values), self)
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> BodyNumbers | None:
-        """Which numbers of the model's MJCF or URDF hold this; none where the closed chain's file does."""
+        """Return the numbers in the model's MJCF or URDF that hold this; none if they are in the file of the
+        closed chain.
+        """
         del values
         closed = model.posture_dependent or model.carried
         return None if closed else BodyNumbers(model.joints[place.index])
@@ -84,22 +86,24 @@ class OfBody:
 def there(
     effect: str, model: Model, place: Placement, beside: Sequence[AppliedEffect] = ()
 ) -> list[dict[str, float]]:
-    """Values of each effect of this name that a model has in this place, and of those `beside` them."""
+    """Return values of each effect of this name that a model has in this place, and of those `beside`
+    them.
+    """
     where = effect, model.axes[place.index], place.location
     known = (*beside, *model.effects)
     return [e.values for e in known if (e.key.effect, e.key.axis, e.key.location) == where]
 
 
 def added(effect: str, parameter: str, model: Model, place: Placement) -> float:
-    """What effects of a model in this place add up to."""
+    """Return the sum of the effects of a model in this place."""
     return sum(values[parameter] for values in there(effect, model, place))
 
 
 def own_dry_friction(model: Model, place: Placement) -> float:
-    """``frictionloss`` [N m or N] that a model's file states in a place, and what was added."""
+    """Return ``frictionloss`` [N m or N] that the file of a model states in a place, and what was added."""
     return sum(v["torque"] for v in there("coulomb_friction", model, place, own_friction(model)))
 
 
 def down_to(most: Own) -> Callable[[Model, Placement], tuple[float, float]]:
-    """Bounds of what is added to a number of which so much may be taken off."""
+    """Return bounds of a correction that may remove at most so much of a number."""
     return lambda model, place: (-most(model, place), float("inf"))

@@ -34,12 +34,12 @@ _NOTHING = 1e-9  # kg, kg m^2: what a joint's body must have, beside a rotor of 
 
 
 def rotor_name(index: int, location: str) -> str:
-    """Joint on the motor's side of an axis."""
+    """Return the joint on the motor side of an axis."""
     return f"rotor:{location}:{index}"
 
 
 def rotor_inertia(model: Model, index: int) -> float:
-    """Inertia of a drive, with what was found to be more of it [kg m^2 or kg]."""
+    """Return the inertia of a drive including corrections that were found [kg m^2 or kg]."""
     more = EffectKey("reflected_inertia", model.axes[index])
     own = _stated_drives(model)[0][index]
     return float(own) + sum(e.values["inertia"] for e in model.effects if e.key == more)
@@ -75,7 +75,9 @@ def _seat(key: EffectKey) -> tuple[str | None, str]:
 def split(
     build: Build, model: Model, place: Placement, stiffness: float, damping: float, gap: float = 0.0
 ) -> None:
-    """Give an axis a joint on its motor's side and a spring to the links; before anything sits there."""
+    """Give an axis a joint on its motor side and a spring to the links, before anything else is added
+    there.
+    """
     name = rotor_name(place.index, place.location)
     if place.location == "actuator":
         hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -136,7 +138,9 @@ def _move_rotor(build: Build, model: Model, place: Placement, name: str) -> None
 
 
 def link_inertia(motion: Motion, model: Model, place: Placement) -> tuple[float, np.ndarray]:
-    """Inertia behind a drive or a pin (mean over a motion), and its column at the drives, (N, n)."""
+    """Return the inertia behind a drive or a pin (mean over a motion), and its column at the drives,
+    (N, n).
+    """
     index = place.index
     column = motion.inertia()[:, :, index].copy()
     column[:, index] -= motion.rotor[0][index]
@@ -149,7 +153,8 @@ def link_inertia(motion: Motion, model: Model, place: Placement) -> tuple[float,
 
 
 def transmitted(motion: Motion, model: Model, place: Placement) -> np.ndarray:
-    """Torque (N,) that would pass rigidly by a model: what it needs, less what is on the motor's side.
+    """Return the torque (N,) that a rigid model transmits: the required torque minus the part on the
+    motor side.
 
     There is the drive's friction too, and all else that the model has found there.
     """
@@ -166,7 +171,7 @@ def transmitted(motion: Motion, model: Model, place: Placement) -> np.ndarray:
 
 
 def spring_lack(motion: Motion, model: Model, place: Placement) -> tuple[Lack, float]:
-    """What a motion asks of a spring behind a drive or in a pin, and the inertia on it."""
+    """Return what a motion requires of a spring behind a drive or in a pin, and the inertia on it."""
     inertia, column = link_inertia(motion, model, place)
     return Lack.of(motion, model, transmitted(motion, model, place), column), inertia
 
@@ -174,7 +179,8 @@ def spring_lack(motion: Motion, model: Model, place: Placement) -> tuple[Lack, f
 def spring_wind(
     torque: np.ndarray, step: float, inertia: float, stiffness: float, damping: float
 ) -> np.ndarray:
-    """Second derivative (N,) of a spring's wind under the torque that passes through it rigidly.
+    """Return the second derivative (N,) of the deflection of a spring under the rigidly transmitted
+    torque.
 
     The links lag behind the motor by the wind d, and what they need falls by their inertia times d'':
     inertia d'' + damping d' + stiffness d = torque.
@@ -188,7 +194,9 @@ def spring_wind(
 
 
 def free_wind(rows: int, step: float, inertia: float, stiffness: float, damping: float) -> np.ndarray:
-    """Second derivative (rows, 2) of a spring's wind that nothing drives, from a wind and a rate of one."""
+    """Return the second derivative (rows, 2) of a free deflection, from an initial deflection and rate
+    of one.
+    """
     change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
     kept = expm(step * change)
     # a state that follows its own characteristic equation is a filter's answer to its first two values
@@ -201,11 +209,13 @@ def free_wind(rows: int, step: float, inertia: float, stiffness: float, damping:
 
 
 def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count: int) -> np.ndarray:
-    """Rates [rad/s] between two frequencies [Hz], below what the rows resolve."""
+    """Return rates [rad/s] between two frequencies [Hz], below what the rows resolve."""
     rate = min(fastest, 0.2 / motions[0].step)
     return 2.0 * np.pi * np.geomspace(min(slowest, 0.5 * rate), rate, count)
 
 
 def stiffest(model: Model, place: Place) -> float:
-    """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
+    """Return the largest stiffness [N m/rad or N/m] that a fit needs to try: the rotor would resonate at
+    `_RIGID`.
+    """
     return rotor_inertia(model, place.index) * (2.0 * np.pi * _RIGID) ** 2

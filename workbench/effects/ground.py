@@ -1,4 +1,4 @@
-"""Feet on the ground in MuJoCo: one contact pair a foot, with a law in N/m and N s/m.
+"""Feet on the ground in MuJoCo: one contact pair per foot, with a law in N/m and N s/m.
 
 MuJoCo softens a contact of penetration d, depth rate d' and normal acceleration a of the foot to
 
@@ -63,7 +63,7 @@ def lay_ground(build: Build, ground: Ground) -> None:
 
 
 def lift_off(spec: mujoco.MjSpec, ground: Ground) -> None:
-    """Take a model off its ground: nothing touches what it stands on."""
+    """Remove all contacts of a model with its ground."""
     for geom in (ground.surface, *ground.feet):
         found = spec.geom(geom) if geom else None
         if found is not None:
@@ -79,7 +79,7 @@ def set_friction(build: Build, coefficient: float) -> None:
 
 
 def settle_contacts(build: Build) -> None:
-    """Write the law of the contacts into the spec; after all that changes a mass.
+    """Write the law of the contacts into the spec; after everything that changes a mass.
 
     Raises:
         ValueError, mujoco.FatalError: the spec cannot be compiled.
@@ -101,7 +101,7 @@ def settle_contacts(build: Build) -> None:
 
 
 def add_force_plate(build: Build) -> None:
-    """One sensor a foot that shows the force of the ground on it; see `plate_columns`."""
+    """Add one sensor per foot that measures the force of the ground on it; see `plate_columns`."""
     for name in build.contacts:
         pair = build.spec.pair(name)
         sensor = build.spec.add_sensor(
@@ -116,19 +116,21 @@ _NET = 3  # sum over the contacts of both geoms, in the world's frame
 
 
 def plate_columns(m: mujoco.MjModel, contacts: Sequence[str]) -> np.ndarray:
-    """Which numbers of MuJoCo's sensor data are the forces on the feet, (3 feet,)."""
+    """Return the indices of MuJoCo's sensor data for the forces on the feet, (3 feet,)."""
     starts = [int(m.sensor(name).adr[0]) for name in contacts]
     return np.concatenate([np.arange(s, s + 3) for s in starts]) if starts else np.zeros(0, int)
 
 
 def feet_of(m: mujoco.MjModel, contacts: Sequence[str]) -> list[tuple[int, int]]:
-    """Ground and foot of each contact, as numbers of geoms."""
+    """Return ground and foot of each contact, as numbers of geoms."""
     pairs = [m.pair(name) for name in contacts]
     return [(int(p.geom1[0]), int(p.geom2[0])) for p in pairs]
 
 
 def contact_rates(m: mujoco.MjModel) -> tuple[float, float]:
-    """Largest rates of a contact's spring and damper against its foot [1/s^2, 1/s]; zero without a law."""
+    """Return the largest rates of a contact's spring and damper against its foot [1/s^2, 1/s]; zero without
+    a law.
+    """
     laws = [m.pair_solref[i] for i in range(m.npair) if m.pair_solref[i, 0] < 0]
     return tuple(np.max(-np.array(laws), axis=0)) if laws else (0.0, 0.0)
 

@@ -49,7 +49,7 @@ class GroundFriction(OnGround):
 
 
 def ratio_in_slip(contact: Contact) -> np.ndarray:
-    """Tangential over normal force in the rows (K,) in which a pressed foot slips."""
+    """Return tangential over normal force in the rows (K,) in which a pressed foot slips."""
     pressed = contact.pressed > _PRESSED * contact.force_noise
     slips = contact.slip > max(_SLIPS * contact.slip_noise, _FASTER)
     rows = pressed & slips

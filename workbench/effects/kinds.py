@@ -1,4 +1,4 @@
-"""What follows from what an effect says of itself: how it is fitted, tried and seen."""
+"""Properties of an effect for the diagnosis: how it is fitted, tried and seen."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TORQUES = frozenset({SignalStage.MOTOR, SignalStage.FRICTION, SignalStage.MECHAN
 
 
 def tier_of(effect: Effect) -> int:
-    """0 for the simple effects, 1 for refinements that are tried after them.
+    """Return 0 for simple effects, 1 for refinements that are tried after them.
 
     A refinement contains another effect, gives way, or has a size and a shape.
     """
@@ -29,35 +29,37 @@ def tier_of(effect: Effect) -> int:
 
 
 def depends_on(effect: Effect) -> tuple[str, ...]:
-    """Quantities of its axis that decide its torque; friction's is the speed."""
+    """Return the quantities of its axis on which its torque depends; for friction, the speed."""
     return (*(("speed",) if effect.stage is SignalStage.FRICTION else ()), *effect.search.depends_on)
 
 
 def shared_by_design(effect: Effect) -> bool:
-    """Whether all axes may have it alike: friction and limits come with the make of a drive."""
+    """Return whether all axes may have it in the same way, as friction and limits of equal drives."""
     usual = effect.stage in (SignalStage.COMMAND, SignalStage.FRICTION)
     return bool(effect.locations) and (usual or effect.search.shared_by_design)
 
 
 def is_dry(effect: Effect) -> bool:
-    """Whether it sticks, so that the model's sliding speed matters."""
+    """Return whether it has stiction, so that the sliding speed of the model matters."""
     return SLIDING_SPEED in effect.parameters.settles
 
 
 def is_pure_delay(effect: Effect) -> bool:
-    """Whether an effect is a delay or a lag, and nothing else."""
+    """Return whether an effect is only a delay or a lag."""
     return effect.search.frf_signature is FrfSignature.DELAY and len(effect.parameters) == 1
 
 
 def late_alike(effect: Effect, effects: Iterable[Effect]) -> tuple[str, ...]:
-    """Other delays of the whole machine: no log without measured torque tells one from this one."""
+    """Return other delays of the complete machine that a log without measured torque cannot distinguish from
+    this one.
+    """
     if not is_pure_delay(effect) or effect.locations:
         return ()
     return tuple(e.name for e in effects if e is not effect and is_pure_delay(e) and not e.locations)
 
 
 def by_finite_difference(effect: Effect) -> bool:
-    """Whether a fit has to take its derivatives from simulations.
+    """Return whether a fit has to compute its derivatives by simulation.
 
     Without a linear coefficient no column is exact near parameters that do something, unless the motion
     before the effect is known.
@@ -67,7 +69,7 @@ def by_finite_difference(effect: Effect) -> bool:
 
 
 def on_links(effect: Effect) -> bool:
-    """Whether it acts on links, which a spring or a gap may hold away from the motors."""
+    """Return whether it acts on links, which a spring or a gap may separate from the motors."""
     alone = effect.locations and depends_on(effect)  # a torque on one axis, which its place says
     return (
         effect.stage is SignalStage.MECHANISM and not isinstance(effect, Compliance | OnGround) and not alone
@@ -75,17 +77,19 @@ def on_links(effect: Effect) -> bool:
 
 
 def changes_foot_position(effect: Effect) -> bool:
-    """Whether it puts a foot elsewhere at the same reading of the encoders: a length of a link does."""
+    """Return whether it changes the position of a foot at the same encoder readings, as a link length
+    does.
+    """
     return on_links(effect) and any(p.unit == "m" for p in effect.parameters)
 
 
 def of_mass(effect: Effect) -> bool:
-    """Whether it changes what links weigh, and nothing of how they move."""
+    """Return whether it changes the weight of links, and not how they move."""
     return on_links(effect) and not (isinstance(effect, Structural) or changes_foot_position(effect))
 
 
 def bends_reading(effect: Effect) -> bool:
-    """Whether a sensor reads its angle along another scale, rather than shifted or late.
+    """Return whether a sensor reads its angle on a different scale, not only shifted or late.
 
     Of no motion but that of gravity, this is a spring of another law.
     """
@@ -94,26 +98,28 @@ def bends_reading(effect: Effect) -> bool:
 
 
 def has_hidden_state(effect: Effect) -> bool:
-    """Whether no run can begin with it in the middle of a recording; behind a spring no sensor looks."""
+    """Return whether it has a state that no sensor shows, so that no run can start in the middle of a
+    recording.
+    """
     return effect.search.hidden_state or isinstance(effect, Compliance)
 
 
 def is_spring(effect: Effect) -> bool:
-    """Whether it is a spring behind an axis, several of which are fitted to the torque together."""
+    """Return whether it is a spring behind an axis; several of these are fitted to the torque together."""
     return isinstance(effect, Compliance) and effect.spring
 
 
 def diverges(effect: Effect) -> bool:
-    """Whether runs of nearly the same machine part, so that a fit of runs adds nothing."""
+    """Return whether trajectories diverge for small parameter changes, so that a fit of runs adds nothing."""
     return isinstance(effect, Compliance) and effect.diverges
 
 
 def is_additive(effect: Effect) -> bool:
-    """Whether what a model states of it and what is found of it are one effect, of their sum."""
+    """Return whether the stated and the found part are one effect with the sum of both values."""
     of_links = isinstance(effect, Structural) or isinstance(effect.corrects, OfBody)
     return of_links and bool(effect.parameters)
 
 
 def free_parameters(effect: Effect, model: Model) -> int:
-    """Number of parameters that the data have to determine in this model."""
+    """Return the number of parameters that the data have to determine in this model."""
     return effect.free(model) if isinstance(effect, Structural) else len(effect.parameters)

@@ -25,7 +25,7 @@ _APART = 0.3  # in the logarithm of a value: starts nearer to each other lead to
 
 @dataclass(frozen=True)
 class Lack:
-    """What one motion requires of a spring.
+    """Requirements of one motion on a spring.
 
     Attributes:
         step: of the rows [s].
@@ -43,7 +43,7 @@ class Lack:
 
     @staticmethod
     def of(motion: Motion, model: Model, load: np.ndarray, column: np.ndarray) -> Lack:
-        """From the whole load (N,) and column (N, n)."""
+        """Return them from the complete load (N,) and column (N, n)."""
         top = min(_BAND, 0.2 / motion.step)
         sos = scipy.signal.butter(2, top, fs=1.0 / motion.step, output="sos")
         rows = slice(None, None, max(1, round(0.2 / (top * motion.step))))

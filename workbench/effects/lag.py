@@ -1,4 +1,4 @@
-"""First-order lags of torques that are constant in pieces, exact."""
+"""Exact first-order lags of torques that are constant in pieces."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from workbench.core.compiled import compiled
 
 @compiled()
 def follow(now: float, older: float, newer: float, fraction: float, ratio: float) -> tuple[float, float]:
-    """One step of a lag behind a value that changes once within the step; compiled.
+    """Return one step of a lag behind a value that changes once within the step; compiled.
 
     Args:
         now: output at the start of the step.
@@ -33,7 +33,9 @@ def follow(now: float, older: float, newer: float, fraction: float, ratio: float
 def lagged_line(
     older: np.ndarray, newer: np.ndarray, fraction: float, ratio: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same over N rows, from zero: output at the start of each row, and its mean over the row, (N,)."""
+    """Return the same over N rows, from zero: output at the start of each row, and its mean over the
+    row, (N,).
+    """
     out, mean, now = np.empty(len(older)), np.empty(len(older)), 0.0
     for k in range(len(older)):
         out[k] = now
@@ -42,6 +44,6 @@ def lagged_line(
 
 
 def heat(torque: np.ndarray, step: float, time_constant: float | np.ndarray) -> np.ndarray:
-    """Mean over each row of the square of a torque (N,) behind a lag that starts cold."""
+    """Return the mean over each row of the square of a torque (N,) behind a lag that starts cold."""
     square, ratio = torque**2, float(time_constant) / step
     return lagged_line(square, square, 0.0, ratio)[1]

@@ -1,4 +1,4 @@
-"""Laws of the state as machine code: written once, called on arrays or inside a compiled time loop."""
+"""State-dependent laws as machine code: written once, called on arrays or in a compiled time loop."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SIGNATURE = types.float64(types.float64, types.float64, types.CPointer(types.fl
 
 
 class Law:
-    """A number from two others and a few parameters.
+    """A number computed from two others and a few parameters.
 
     Called with arrays, everything broadcasts: ``law(first, second, *parameters)``. A compiled loop calls it
     through its `address` by `call_law`.
@@ -32,7 +32,7 @@ class Law:
 
     @cached_property
     def address(self) -> int:
-        """Where the machine code is; compiled at the first use, and kept on disk."""
+        """Return the address of the machine code; compiled at the first use, and kept on disk."""
         with kept():
             code = cfunc(_SIGNATURE, cache=True)(self.function)
         self._alive.append(code)  # two threads may come here at once, and each keeps its code
@@ -52,7 +52,8 @@ class Law:
 
 
 def law(function: Callable[..., float]) -> Law:
-    """Make a law of a function ``(first, second, p)`` of two numbers and parameters ``p[0]``, ``p[1]``, ...
+    """Return the law of a function ``(first, second, p)`` of two numbers and parameters ``p[0]``,
+    ``p[1]``, ...
 
     The function is compiled: numbers, `math` and branches only.
     """
@@ -78,7 +79,7 @@ def _call(context: Any, address: Any, first: Any, second: Any, parameters: Any) 
 
 @compiled()
 def call_law(address: int, first: float, second: float, parameters: np.ndarray) -> float:
-    """A law's value, for compiled code; `parameters` (LONGEST,), contiguous."""
+    """Return the value of a law, for compiled code; `parameters` (LONGEST,), contiguous."""
     return _call(address, first, second, parameters.ctypes.data)  # pyright: ignore[reportCallIssue]
 
 

@@ -39,7 +39,7 @@ class LinkageGravity(Structural):
         return is_parallelogram(model)
 
     def columns(self, motion: Motion) -> np.ndarray:
-        """Torque of 1 N m each."""
+        """Return the torque of 1 N m each."""
         return gravity_columns(motion)
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:

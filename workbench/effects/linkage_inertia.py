@@ -40,7 +40,7 @@ class LinkageInertia(Structural):
         return is_parallelogram(model)
 
     def columns(self, motion: Motion) -> np.ndarray:
-        """Minus the torque of 1 kg m^2 each."""
+        """Return minus the torque of 1 kg m^2 each."""
         return inertia_columns(motion)
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:

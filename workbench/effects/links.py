@@ -1,4 +1,4 @@
-"""The bodies that joints carry: mass, centre, inertia, and what an error of these asks of the drives."""
+"""Bodies of the joints: mass, centre, inertia, and the torque that an error of these requires."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Link:
 
 
 def link_of(model: Model, axis: str | None) -> Link | None:
-    """The link of an axis; None where it shares its body with a later axis, or has no mass."""
+    """Return the link of an axis; None if it shares its body with a later axis, or has no mass."""
     if axis is None:
         return None
     links = _links(*model.links, model.payload_site)
@@ -57,19 +57,19 @@ def link_of(model: Model, axis: str | None) -> Link | None:
 
 
 def link_at(model: Model, place: Placement) -> Link:
-    """The link of a place where an effect of links applies."""
+    """Return the link of a place where an effect of links applies."""
     link = link_of(model, model.axes[place.index])
     assert link is not None
     return link
 
 
 def link_ends(model: Model) -> tuple[str | None, ...]:
-    """Where each axis' link ends: at a joint by name, at the payload site (empty), or nowhere (None)."""
+    """Return the end of each axis' link: a joint by name, the payload site (empty), or nothing (None)."""
     return _ends(*model.links, model.payload_site)
 
 
 def reshape(build: Build, link: Link, change: Callable[[Inertial], Inertial]) -> None:
-    """Give a link another inertial; changes of one link follow each other."""
+    """Give a link another inertial; several changes of one link are combined."""
     now = change(build.inertials.get(link.body, link.inertial))
     build.inertials[link.body] = now
     body = build.links.body(link.body)
@@ -83,7 +83,7 @@ def reshape(build: Build, link: Link, change: Callable[[Inertial], Inertial]) ->
 
 
 def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
-    """With a further first moment (3,) [kg m]: the same mass with its centre elsewhere."""
+    """Return the inertial with a further first moment (3,) [kg m]: the same mass with another centre."""
     return replace(inertial, centre=inertial.centre + moment / inertial.mass)
 
 
@@ -119,7 +119,9 @@ def _possible(principal: np.ndarray, axes: np.ndarray, about: np.ndarray) -> np.
 
 
 def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
-    """Torque (N, n) that a link would need for a further inertia (3, 3) about its centre, in its frame."""
+    """Return the torque (N, n) that a link needs for a further inertia (3, 3) about its centre, in its
+    frame.
+    """
     link = motion.link(axis)
     world = link.rotation @ tensor @ np.swapaxes(link.rotation, 1, 2)
     w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
@@ -129,7 +131,7 @@ def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
 
 
 def carrying(motion: Motion, axis: int, centre: np.ndarray) -> np.ndarray:
-    """Torque (N, n) that a link would need for 1 kg more at a point (3,), in its frame."""
+    """Return the torque (N, n) that a link needs for 1 kg more at a point (3,), in its frame."""
     link = motion.link(axis)
     w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
     out = link.rotation @ centre
@@ -140,7 +142,8 @@ def carrying(motion: Motion, axis: int, centre: np.ndarray) -> np.ndarray:
 
 
 def shifting(motion: Motion, axis: int, way: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Torque (N, n) that a link would need for a further first moment of 1 kg m along `way`, in its frame.
+    """Return the torque (N, n) that a link needs for a further first moment of 1 kg m along `way`, in
+    its frame.
 
     By a mass of which the centre moves, so that the inertia about the hinge goes with it.
     """

@@ -51,5 +51,5 @@ class LoadDependentFriction(Effect):
 
 @law
 def loaded_level(speed: float, torque: float, p: Sequence[float]) -> float:
-    """Bound on the friction under a motor torque; constant, ratio."""
+    """Return the bound of the friction under a motor torque; constant, ratio."""
     return p[0] + p[1] * abs(torque)

@@ -1,4 +1,4 @@
-"""A motion that effects can be evaluated on: positions, speeds, accelerations, torques, all at rows."""
+"""A motion on which effects are evaluated: positions, speeds, accelerations, torques, at rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _ROWS = 10_000  # of all recordings, enough to see how a drive's torque is limit
 
 @dataclass(frozen=True)
 class Line:
-    """The way of a command through the drives to the tap, at N rows of n axes, actuator coordinates.
+    """The path of a command through the drives to the torque sensor, at N rows of n axes, actuator
+    coordinates.
 
     Attributes:
         step: row step [s].
@@ -42,7 +43,9 @@ class Line:
 
     @cached_property
     def passed(self) -> tuple[np.ndarray, np.ndarray]:
-        """Torque at the tap: just after each row's time, and its mean over the step, (N, n) each."""
+        """Return the torque at the sensor: just after the time of each row, and its mean over the step, (N,
+        n) each.
+        """
         newer, older, fraction = late(self.command, self.step, self.delay)
         limits = torque_bounds(self.speed, self.limit, self.stall, self.no_load, self.full_braking)
         at = np.clip(older if fraction else newer, *limits)
@@ -136,11 +139,11 @@ class Motion:
 
     @property
     def command(self) -> np.ndarray:
-        """``torque_command`` as it stands at each row, (N, n); the chain's delay not applied."""
+        """Return ``torque_command`` at each row, (N, n), without the delay of the chain."""
         return self.line.command
 
     def along(self, place: Placement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, speed and acceleration (N,) of the coordinate that a placement names."""
+        """Return position, speed and acceleration (N,) of the coordinate of a placement."""
         row = place.row @ np.linalg.inv(self.transmission)
         return self.position @ row, self.velocity @ row, self.acceleration @ row
 
@@ -148,7 +151,7 @@ class Motion:
 def torque_bounds(
     speed: np.ndarray, limit: np.ndarray, stall: np.ndarray, no_load: np.ndarray, full_braking: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest torque of drives at a speed; arrays broadcast, infinite where there is no limit.
+    """Return lowest and highest torque of drives at a speed; arrays broadcast, infinite without a limit.
 
     What is left at a speed falls from the stall torque at rest to nothing at the no-load speed; with
     `full_braking`, only of the torque that drives the motion.
@@ -165,7 +168,8 @@ def torque_bounds(
 
 
 def at_tap(motions: Sequence[Motion], axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """What a drive's limits see, some rows of all motions, (M,) each: torque asked for, speed, torque given.
+    """Return the inputs of the drive limits, some rows of all motions, (M,) each: commanded torque, speed,
+    given torque.
 
     The last is None where torque was not measured.
     """
@@ -182,7 +186,7 @@ def at_tap(motions: Sequence[Motion], axis: int) -> tuple[np.ndarray, np.ndarray
 
 
 def held(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np.ndarray]:
-    """A command that is held from row to row, seen through a pure delay.
+    """Return a command that is held from row to row, after a pure delay.
 
     Args:
         command: value from each row until the next, (..., N, n); zero before the first row.
@@ -200,7 +204,8 @@ def held(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np
 
 
 def late(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """A held command behind a delay: what acts in the later part of each step, what before, and how long.
+    """Return a held command after a delay: the value in the later part of each step, the value before, and
+    the duration.
 
     The last is a share of the step, 0 where nothing changes inside it.
     """

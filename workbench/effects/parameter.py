@@ -1,4 +1,4 @@
-"""Parameters of an effect: bounds, steps and first values of each, and what a fit solves for."""
+"""Parameters of an effect: bounds, steps and first values of each, and the unknowns of a fit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Place = Any
 
 @dataclass(frozen=True)
 class Unknown:
-    """A number that a fit solves for, SI. A parameter is one, unless a `Chart` has others in its place.
+    """A number that a fit solves for, SI; normally a parameter, unless a `Chart` replaces it.
 
     Attributes:
         name: in a shape.
@@ -47,7 +47,7 @@ class Unknown:
     least: float | Callable[[Values], float] = 1e-9
 
     def bounds(self, model: Model, place: Place) -> tuple[float, float]:
-        """Lowest and highest value in a place of a model."""
+        """Return lowest and highest value in a place of a model."""
         return self.within(model, place) if self.within else (self.lower, self.upper)
 
 
@@ -77,7 +77,7 @@ class Parameter(Unknown):
     optional: bool = False
 
     def unit_on(self, axis_unit: str) -> str:
-        """The unit on a rotary (``rad``) or linear (``m``) axis."""
+        """Return the unit on a rotary (``rad``) or linear (``m``) axis."""
         return self.unit if axis_unit == "rad" else _LINEAR_UNITS.get(self.unit, self.unit)
 
 
@@ -96,7 +96,8 @@ _LINEAR_UNITS = {
 
 @dataclass(frozen=True)
 class Chart:
-    """Unknowns in place of the parameters: those in which the torque is linear, or that are seen apart.
+    """Unknowns that replace the parameters: those in which the torque is linear, or that can be
+    identified.
 
     `values`: parameters from linear coefficients (k,) and the rest; `solved`: the inverse. `special`: linear
     unknowns of a special case, by the name that a shape of that case has.
@@ -135,67 +136,67 @@ class Parameters(tuple[Parameter, ...]):
 
     @property
     def linear(self) -> tuple[Unknown, ...]:
-        """Unknowns in which the response is linear."""
+        """Return unknowns in which the response is linear."""
         return self.linear_of({})
 
     def linear_of(self, shape: Values) -> tuple[Unknown, ...]:
-        """The same of one shape, which may be a special case."""
+        """Return the same for one shape, which may be a special case."""
         special = self.chart.special if self.chart else {}
         own = next((unknowns for name, unknowns in special.items() if name in shape), self._unknowns)
         return tuple(u for u in own if u.linear)
 
     def count(self, values: Values) -> int:
-        """How many unknowns have some values: fewer than these where a special case ties them."""
+        """Return the number of unknowns for some values: fewer in a special case."""
         if any(p.optional and p.name in values for p in self):
             coefficients, _ = self.to_coefficients(values)
             return len(coefficients) + len(self.nonlinear)
         return len(values)
 
     def is_special(self, shape: Values) -> bool:
-        """Whether a shape is that of a special case, with unknowns of its own."""
+        """Return whether a shape is that of a special case, with its own unknowns."""
         return self.chart is not None and any(name in shape for name in self.chart.special)
 
     @property
     def nonlinear(self) -> tuple[str, ...]:
-        """Names of the other unknowns, whose values make a shape."""
+        """Return names of the other unknowns, whose values are a shape."""
         return tuple(u.name for u in self._unknowns if not u.linear)
 
     @property
     def examples(self) -> dict[str, float]:
-        """A value of each to draw and to test it by."""
+        """Return a value of each for pictures and tests."""
         return {p.name: p.example for p in self}
 
     def bounds(
         self, model: Model, place: Place, shape: Values = MappingProxyType({})
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Physical bounds of the linear coefficients, two arrays (k,)."""
+        """Return physical bounds of the linear coefficients, two arrays (k,)."""
         pairs = [u.bounds(model, place) for u in self.linear_of(shape)]
         neutral = [p.neutral for p in self if p.linear] if self.chart is None else [0.0] * len(pairs)
         low, high = ([pair[side] for pair in pairs] for side in (0, 1))
         return np.array(low) - np.array(neutral), np.array(high) - np.array(neutral)
 
     def shape_bounds(self, model: Model, place: Place) -> dict[str, tuple[float, float]]:
-        """Physical bounds of the values in a shape."""
+        """Return physical bounds of the values in a shape."""
         return {u.name: u.bounds(model, place) for u in self._shaped}
 
     def shapes(self, motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
-        """Values to try for the unknowns that are not linear; one empty choice if all are."""
+        """Return values to try for the nonlinear unknowns; one empty choice if there are none."""
         if self.starts is not None:
             return self.starts(motions, model, place)
         grids = [[float(x) for x in u.starts(motions, model, place)] for u in self._shaped if u.starts]
         return [dict(zip(self.nonlinear, some, strict=True)) for some in product(*grids)]
 
     def reach(self, shape: Values) -> dict[str, float]:
-        """How far one step of a fit may move the values of a shape."""
+        """Return how far one step of a fit may change the values of a shape."""
         return {u.name: u.reach(shape) if u.reach else 0.5 * abs(shape[u.name]) + 1e-5 for u in self._shaped}
 
     def least(self, shape: Values) -> np.ndarray:
-        """Smallest changes of the unknowns, linear ones first, that simulations show."""
+        """Return the smallest changes of the unknowns, linear ones first, that simulations show."""
         unknowns = (*self.linear_of(shape), *self._shaped)
         return np.array([u.least(shape) if callable(u.least) else u.least for u in unknowns])
 
     def to_values(self, coefficients: np.ndarray, shape: Values) -> dict[str, float]:
-        """Parameters from linear coefficients (k,), none where they are not free, and the shape."""
+        """Return parameters from linear coefficients (k,), none if they are not free, and the shape."""
         if self.chart is not None:
             return self.chart.values(coefficients, shape)
         linear = [p for p in self if p.linear] if len(coefficients) else []
@@ -203,25 +204,27 @@ class Parameters(tuple[Parameter, ...]):
         return {**{p.name: p.neutral + x if p.neutral else x for p, x in pairs}, **shape}
 
     def to_coefficients(self, values: Values) -> tuple[np.ndarray, dict[str, float]]:
-        """Linear coefficients (k,) and shape from parameters: the inverse of `to_values`."""
+        """Return linear coefficients (k,) and shape from parameters: the inverse of `to_values`."""
         if self.chart is not None:
             return self.chart.solved(values)
         linear = [values[p.name] - p.neutral for p in self if p.linear]
         return np.array(linear, float), {name: values[name] for name in self.nonlinear}
 
     def stated(self, model: Model, shape: Values) -> Model:
-        """The model with what a shape says beside the parameters; unchanged if nothing."""
+        """Return the model with the settings of a shape besides the parameters; unchanged if there are
+        none.
+        """
         for setting in self.settles:
             if setting.in_shape in shape:
                 model = setting.put(model, shape[setting.in_shape])
         return model
 
     def told(self, motions: Sequence[Motion], place: Place, values: Values) -> bool:
-        """Whether motions go far enough to tell all of them."""
+        """Return whether the motions are large enough to determine all of them."""
         return all(p.told(motions, place, values) for p in self if p.told)
 
     def blur(self, values: Values, position_noise: float, torque_noise: float) -> dict[str, float]:
-        """How far noise may shift them."""
+        """Return how far noise may shift them."""
         return {p.name: p.blur(values, position_noise, torque_noise) for p in self if p.blur}
 
     @property
@@ -234,7 +237,7 @@ class Parameters(tuple[Parameter, ...]):
 
 
 def rows(fewest: float, most: float, count: int) -> Callable[[Sequence[Motion], Model, Place], np.ndarray]:
-    """First values of a delay or lag: so many, from `fewest` rows to `most` rows or milliseconds."""
+    """Return first values of a delay or lag: so many, from `fewest` rows to `most` rows or milliseconds."""
 
     def starts(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
         del model, place

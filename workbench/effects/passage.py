@@ -36,7 +36,7 @@ _DAMPED = 0.95  # of what elastic flanks leave
 
 @dataclass(frozen=True)
 class Passage:
-    """One motion of an axis as a gap behind its motor, or in its pin, sees it.
+    """One motion of an axis for a gap behind its motor, or in its pin.
 
     Attributes:
         step: of the rows [s].
@@ -50,12 +50,12 @@ class Passage:
 
     @staticmethod
     def of(motion: Motion, model: Model, place: Placement) -> Passage:
-        """Along a motion, by a model that has no gap."""
+        """Return it along a motion, for a model that has no gap."""
         load = transmitted(motion, model, place)
         return Passage(motion.step, load, load - lacking(motion, model)[:, place.index])
 
     def unforeseen(self, inertia: float, gap: float, stiffness: float, retardation: float) -> np.ndarray:
-        """Torque that passed less what a gap foresees, (N,).
+        """Return the transmitted torque minus the prediction of a gap, (N,).
 
         Args:
             inertia: of the links.
@@ -69,11 +69,11 @@ class Passage:
     def unforeseen_means(
         self, inertia: float, gap: float, stiffness: float, retardation: float
     ) -> np.ndarray:
-        """Means of it over `_MEAN` rows, (M,), by which gaps are told apart."""
+        """Return means of it over `_MEAN` rows, (M,), by which gaps are compared."""
         return _means(self.unforeseen(inertia, gap, stiffness, retardation), _MEAN)
 
     def with_torque(self, torque: np.ndarray, at_motor: bool) -> Passage:
-        """The same with one more torque (N,), on the motor or on the links."""
+        """Return the same with one more torque (N,), on the motor or on the links."""
         if at_motor:
             return replace(self, passed=self.passed + torque)
         return replace(self, load=self.load - torque)
@@ -82,7 +82,8 @@ class Passage:
 def foresees(
     pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
 ) -> bool:
-    """Whether a gap says by itself where its links are, not drawn there by the torque that it explains.
+    """Return whether a gap predicts the position of its links by itself, without correction by the explained
+    torque.
 
     On soft flanks the state follows any slow torque, and would explain friction as well. As a torque on the
     links the draw is rate^2 inertia / stiffness times what was unforeseen.
@@ -106,7 +107,8 @@ def best_gap(
     stiffnesses: np.ndarray,
     stiffest: float,
 ) -> tuple[float, float, float, float]:
-    """The gap that leaves least unforeseen; with damped flanks only if these leave clearly less.
+    """Return the gap with the smallest prediction error; with damped flanks only if these are clearly
+    better.
 
     Args:
         pieces: motions.
@@ -144,7 +146,7 @@ def best_gap(
 def left_by(
     pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
 ) -> float:
-    """Squared torque that a gap leaves unforeseen."""
+    """Return the squared torque that a gap does not predict."""
     means = (p.unforeseen_means(inertia, gap, stiffness, retardation) for p in pieces)
     with np.errstate(over="ignore", invalid="ignore"):
         left = [float(m @ m) for m in means]

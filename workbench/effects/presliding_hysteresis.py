@@ -95,7 +95,9 @@ class PreslidingHysteresis(Effect):
 
 @compiled()
 def wound(position: np.ndarray, ratio: float) -> np.ndarray:
-    """State z (N,) along positions (N,), relaxed at the first, exact for a way without reversals between."""
+    """Return state z (N,) along positions (N,), relaxed at the first, exact without reversals between
+    rows.
+    """
     state, out = 0.0, np.zeros(len(position))
     for k in range(1, len(position)):
         moved = position[k] - position[k - 1]

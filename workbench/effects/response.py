@@ -1,4 +1,4 @@
-"""What an effect does along a motion: torques, and what sensors read, as columns of unknown coefficients."""
+"""Response of an effect along a motion: torques and sensor readings, as columns of unknown coefficients."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .motion import Line, Motion
 
 @dataclass(frozen=True)
 class Response:
-    """What an effect does along a motion, split into what is linear in unknown coefficients.
+    """Response of an effect along a motion, divided into parts that are linear in unknown coefficients.
 
     Everything is in actuator coordinates. None: nothing there.
 
@@ -36,25 +36,25 @@ class Response:
 
     @staticmethod
     def read(motion: Motion, readings: np.ndarray) -> Response:
-        """The response of a sensor: `readings` (k, 2, N, n), and no torque."""
+        """Return the response of a sensor: `readings` (k, 2, N, n), and no torque."""
         return Response(np.zeros((len(readings), *motion.position.shape)), readings=readings)
 
     @staticmethod
     def passed(motion: Motion, line: Line) -> Response:
-        """What another line between command and tap would change; no free coefficient."""
+        """Return the change by another path between command and sensor; no free coefficient."""
         (at, mean), (new_at, new_mean) = motion.line.passed, line.passed
         empty = np.zeros((0, *motion.position.shape))
         return Response(empty, offset=(new_mean - mean) * motion.gain, tap=new_at - at)
 
 
 def smooth_sign(speed: np.ndarray) -> np.ndarray:
-    """Sign of a measured speed, softened where it is lost in noise (1 % of the rms speed)."""
+    """Return the sign of a measured speed, smoothed where noise dominates (1 % of the rms speed)."""
     width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
     return np.tanh(speed / width)
 
 
 def single(place: Placement, torque: np.ndarray, motion: Motion) -> np.ndarray:
-    """Torque on one coordinate, (N,), as generalised torque in actuator coordinates, (N, n).
+    """Return a torque on one coordinate, (N,), as generalised torque in actuator coordinates, (N, n).
 
     By virtual work: tau_s = row^T torque, and tau_p = J^-T tau_s (paper, Eq. 4).
     """
@@ -62,7 +62,9 @@ def single(place: Placement, torque: np.ndarray, motion: Motion) -> np.ndarray:
 
 
 def read_on(place: Placement, position: np.ndarray, velocity: np.ndarray, motion: Motion) -> np.ndarray:
-    """Change (N,) of one drive's reading of position and velocity, as that of all drives, (2, N, n)."""
+    """Return a change (N,) of the position and velocity reading of one drive, as that of all drives,
+    (2, N, n).
+    """
     out = np.zeros((2, *motion.position.shape))
     out[0, :, place.index], out[1, :, place.index] = position, velocity
     return out

@@ -1,4 +1,4 @@
-"""What a diagnosis settles of the model itself, beside the parameters of the effects it finds."""
+"""Settings of the model that a diagnosis changes, besides the parameters of effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a diagnosis settled of a model goes with the effects that need it."""
+"""Settings of a model that a diagnosis changed belong to the effects that need them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .setting import SETTINGS
 
 
 def with_settled(model: Model, settled: Mapping[str, float], effects: Iterable[EffectKey]) -> Model:
-    """The model with those of its own properties that these effects need as they were found.
+    """Return the model with the settings that these effects need, as they were found.
 
     Args:
         model: before the effects are added.

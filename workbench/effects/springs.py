@@ -1,4 +1,4 @@
-"""Several springs behind drives at once: their links swing against each other."""
+"""Several springs behind drives together: their links swing against each other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHARE = 0.1  # of critical damping, to begin with
 
 
 class Springs:
-    """Springs at some places of a rigid model, along motions that its motors made.
+    """Springs at some places of a rigid model, along motions of its motors.
 
     Each by itself obeys `flexible.spring_wind`; together the inertia on them is a matrix, so that one spring
     fitted alone takes the softness of all.
@@ -40,7 +40,7 @@ class Springs:
 
     @property
     def apart(self) -> bool:
-        """Whether the links behind each can move by themselves."""
+        """Return whether the links behind each spring can move separately."""
         own = [np.diag(inertia) for inertia in self._inertias]
         if any(np.any(i <= 0.0) for i in own):
             return False
@@ -48,12 +48,13 @@ class Springs:
         return all(np.linalg.eigvalsh(m)[0] > _APART for m in alike)
 
     def share(self, shapes: Sequence[Mapping[str, float]]) -> float:
-        """What these springs leave of the squared torque that is missing without any."""
+        """Return the share of the squared residual torque that these springs do not explain."""
         values = np.array([[shape["stiffness"], shape["damping"]] for shape in shapes])
         return share_left([lacks[0] for lacks in self._lacks], self._left(values.ravel()))
 
     def guess(self, before: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-        """Stiffness and damping of each that leave least, from many antiresonances of the last.
+        """Return stiffness and damping of each with the smallest error, from many antiresonances of the
+        last.
 
         Args:
             before: of all but the last, as they were found without it: too soft.

@@ -1,4 +1,4 @@
-"""How short MuJoCo's steps must be where springs are stiff."""
+"""Step size that MuJoCo needs for stiff springs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MOST = 64  # steps in one of the simulation; what is stiffer still becomes unst
 
 
 def tendon_row(m: mujoco.MjModel, name: str) -> np.ndarray:
-    """Coefficients (nv,) of a fixed tendon: its speed is their product with the joints' speeds."""
+    """Return coefficients (nv,) of a fixed tendon: its speed is their product with the joint speeds."""
     ident, row = m.tendon(name).id, np.zeros(m.nv)
     for k in range(m.tendon_adr[ident], m.tendon_adr[ident] + m.tendon_num[ident]):
         row[m.jnt_dofadr[m.wrap_objid[k]]] += m.wrap_prm[k]
@@ -21,7 +21,7 @@ def tendon_row(m: mujoco.MjModel, name: str) -> np.ndarray:
 
 
 def count_substeps(m: mujoco.MjModel, chain: TorqueChain) -> int:
-    """Steps that the fastest mode of the model's springs needs in one of its time steps."""
+    """Return the number of steps that the fastest mode of the springs needs in one time step of the model."""
     names = [m.tendon(i).name for i in range(m.ntendon)]
     stiff = [name for name in names if name.partition(":")[0] in _SPRINGS]
     spring, damper = contact_rates(m)

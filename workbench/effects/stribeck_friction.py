@@ -84,5 +84,5 @@ class StribeckFriction(Effect):
 
 @law
 def stribeck_level(speed: float, torque: float, p: Sequence[float]) -> float:
-    """Bound on the friction at a speed; Coulomb, static, Stribeck speed."""
+    """Return the bound of the friction at a speed; Coulomb, static, Stribeck speed."""
     return p[0] + (p[1] - p[0]) * math.exp(-((speed / p[2]) ** 2))

@@ -18,11 +18,11 @@ class Structural(Effect):
     stage = SignalStage.MECHANISM
 
     def columns(self, motion: Motion) -> np.ndarray:
-        """Torque of one unit of each parameter along a motion, (k, N, n)."""
+        """Return the torque of one unit of each parameter along a motion, (k, N, n)."""
         return np.zeros((0, *motion.position.shape))
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """A column a parameter; no free coefficient where identification gave them."""
+        """One column per parameter; no free coefficient where identification gave them."""
         columns = self.columns(motion)
         if self.free(model):
             return Response(columns)
@@ -30,6 +30,6 @@ class Structural(Effect):
         return Response(columns[:0], offset=np.tensordot(stated, columns, axes=1))
 
     def free(self, model: Model) -> int:
-        """Parameters that data have to determine: none that identification gave and no one has used yet."""
+        """Return parameters that the data have to determine: none that an identification already gave."""
         stated = model.linkage is not None and model.linkage.identified
         return 0 if stated and not model.has(self.name) else len(self.parameters)

@@ -18,12 +18,12 @@ PARALLELOGRAM = np.array([[1.0, 0.0], [1.0, 1.0]])
 
 
 def is_parallelogram(model: Model) -> bool:
-    """Whether the model states a linkage and drives two joints through the parallelogram's J."""
+    """Return whether the model states a linkage and drives two joints through the parallelogram's J."""
     return model.linkage is not None and np.array_equal(model.transmission, PARALLELOGRAM)
 
 
 def crank_of(model: Model) -> Crank:
-    """What of the linkage that is in a model turns with the knee's drive, ahead of the pin of the shank."""
+    """Return the part of the linkage that turns with the drive of the knee, before the pin of the shank."""
     crank = model.linkage.crank if model.linkage is not None else None
     if crank is None or not is_parallelogram(model) or not model.has("linkage_inertia"):
         return Crank()
@@ -31,7 +31,7 @@ def crank_of(model: Model) -> Crank:
 
 
 def inertia_columns(motion: Motion) -> np.ndarray:
-    """Minus the torque of M11, M12 cos(alpha) and M22 of 1 kg m^2 each, shape (3, N, 2).
+    """Return minus the torque of M11, M12 cos(alpha) and M22 of 1 kg m^2 each, shape (3, N, 2).
 
     From the kinetic energy M11 w1^2/2 + M12 cos(alpha) w1 w2 + M22 w2^2/2 (paper, Eq. 16) by Lagrange,
     velocity terms included.
@@ -46,6 +46,6 @@ def inertia_columns(motion: Motion) -> np.ndarray:
 
 
 def gravity_columns(motion: Motion) -> np.ndarray:
-    """Torque -sin q of 1 N m on each axis, shape (2, N, 2)."""
+    """Return torque -sin q of 1 N m on each axis, shape (2, N, 2)."""
     sin, zero = np.sin(motion.position), np.zeros(len(motion.position))
     return -np.stack([np.stack([sin[:, 0], zero], -1), np.stack([zero, sin[:, 1]], -1)])

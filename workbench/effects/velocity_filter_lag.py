@@ -49,7 +49,7 @@ class VelocityFilterLag(Effect):
 
 
 def lagged(values: np.ndarray, step: float, time_constant: float) -> np.ndarray:
-    """Rows (N,) behind a first-order lag, exact for what changes linearly between rows, settled at first."""
+    """Return rows (N,) after a first-order lag, exact for linear changes between rows, settled at first."""
     ratio = time_constant / step
     if ratio < _NONE:
         return values.copy()

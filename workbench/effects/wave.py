@@ -8,7 +8,9 @@ from .parameter import INF, Chart, Unknown, Values
 
 
 def wave(amplitude: str, phase: str, top: float = INF, *others: Unknown) -> Chart:
-    """Sine and cosine in place of amplitude and phase, each up to `top` either way; beside `others`."""
+    """Return sine and cosine in place of amplitude and phase, each up to `top` in both directions; beside
+    `others`.
+    """
 
     def values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
         sine, cosine = map(float, coefficients)

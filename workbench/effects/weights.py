@@ -47,7 +47,9 @@ def add_inertia(
 def masses_at_the_end(
     spec: mujoco.MjSpec, length: float, m11: float, m12: float, m22: float, crank: Crank = NONE
 ) -> tuple[float, float]:
-    """Point masses [kg] that `add_inertia` hangs on a thigh's end: on the crank's side, on the shank's."""
+    """Return the point masses [kg] that `add_inertia` adds at the end of a thigh: on crank side and
+    shank side.
+    """
     if not spec.body(rotor_name(1, "joint")):
         return 0.0, _mass(length, m11, m12, m22)
     # as much as gives half of M22; the rest of it turns in place
@@ -73,7 +75,7 @@ def _swing(
 
 
 def weight_at_the_end(g2: float) -> float:
-    """The force [N] that `add_gravity` hangs on the end of a thigh."""
+    """Return the force [N] that `add_gravity` adds at the end of a thigh."""
     return g2 / _ARM
 
 

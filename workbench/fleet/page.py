@@ -22,9 +22,9 @@ def fleet_sheet(fleet: Fleet) -> Sheet:
         "consistent" if verdicts == {"consistent"} else "missing_effect" if fleet.effects else "unexplained"
     )
     robots = SheetTable(
-        "Errors in noise floors; held-out error before and after",
-        ("Robot", "Verdict", ">Error", ">After", ">Held-out", "What was found"),
-        tuple((r["rig"], w.verdict_words(r), *w.errors(r), "; ".join(w.findings(r))) for r in fleet.robots),
+        "Errors before and after are multiples of the noise floor; held-out errors are before → after",
+        ("Robot", "Verdict", "What was found", ">Before", ">After", ">Held-out"),
+        tuple((r["rig"], w.verdict_words(r), "; ".join(w.findings(r)), *w.errors(r)) for r in fleet.robots),
     )
     left_out = tuple(f"{r['rig']}: left out: {x['problem']}" for r in fleet.robots for x in r["left_out"])
     recordings = sum(len(r["recordings"]) + len(r["held_out"]) for r in fleet.robots)
@@ -37,7 +37,7 @@ def fleet_sheet(fleet: Fleet) -> Sheet:
         key_numbers=(
             ("Robots", str(len(fleet.robots)), f"{len(fleet.failed)} without a diagnosis"),
             ("Recordings", str(recordings), "fitted or held out"),
-            ("Effects", str(len(fleet.effects)), "by place"),
+            ("Effects", str(len(fleet.effects)), "found; an effect at two places counts twice"),
         ),
         sections=(
             Section("robots", "Robots", tables=(robots,), remarks=left_out),
@@ -67,7 +67,7 @@ def _effect(number_: int, e: Shared) -> Section:
                 f": all robots {interval(Estimate(told.mean, told.std, unit))}; scatter {number(told.ratio)} "
                 f"times what the intervals allow (p = {number(told.p_value, 2)})"
             )
-        header = ("Robot", ">Estimate (95 %)", ">Off the others [std]", "Stands out")
+        header = ("Robot", ">Estimate (95 %)", ">From the others [standard deviations]", "Stands out")
         tables.append(SheetTable(caption, header, tuple(rows)))
         if told and len(by_robot) > 2:
             panels.append(_panel(name, by_robot, told.mean))
@@ -75,7 +75,7 @@ def _effect(number_: int, e: Shared) -> Section:
     return Section(
         f"effect-{number_ + 1}",
         capital(effect_phrase(e.key)),
-        sentences=(f"Robots: {w.seen(e)}.", *w.differences(e)),
+        sentences=(f"Robots that have it: {w.seen(e)}.", *w.differences(e)),
         tables=tuple(tables),
         drawings=drawings,
     )

@@ -125,7 +125,7 @@ def key_of(entry: Mapping[str, Any]) -> EffectKey:
 
 
 def fleet_dict(fleet: Fleet) -> dict[str, Any]:
-    """The JSON of ``workbench fleet``."""
+    """Return the JSON of ``workbench fleet``."""
     return {
         "format": FORMAT,
         "robots": [_robot(r) for r in fleet.robots],

@@ -27,7 +27,7 @@ class Robot:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All its recordings."""
+        """Return all its recordings."""
         return *self.training, *self.held_out
 
 

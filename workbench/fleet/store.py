@@ -36,7 +36,8 @@ def fingerprint(robot: Robot, seed: int) -> str:
 
 
 def files_read(robots: Sequence[Robot]) -> list[Path]:
-    """All files that the results of robots depend on, each once: those of models, recordings and tables.
+    """Return all files that the results of robots depend on, each once: those of models, recordings and
+    tables.
 
     What is not there is left out: the robot whose recording it is has failed, and says so.
 
@@ -54,7 +55,7 @@ def files_read(robots: Sequence[Robot]) -> list[Path]:
 
 
 def result_file(folder: Path, name: str) -> Path:
-    """Where a robot's result is kept; its improved model lies beside it, ending in ``.toml``."""
+    """Return where a robot's result is kept; its improved model lies beside it, ending in ``.toml``."""
     plain = re.sub(r"[^\w.-]+", "_", name)
     # names that differ in what a file's name cannot hold must not share a file
     tail = "" if plain == name else "-" + sha256(name.encode()).hexdigest()[:6]
@@ -62,7 +63,7 @@ def result_file(folder: Path, name: str) -> Path:
 
 
 def stored(folder: Path, name: str) -> dict[str, Any] | None:
-    """A robot's result as it was kept; None where there is none.
+    """Return a robot's result as it was kept; None where there is none.
 
     Raises:
         InputError: the file cannot be read, or is something else.

@@ -17,14 +17,15 @@ _DIFFER = 0.01  # p-value below which scatter is more than the intervals'
 
 
 def sentence(fleet: Fleet) -> str:
-    """How many robots lack what."""
+    """Return how many robots lack what."""
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
-    parts = [f"{len(lacking)} of {total} robots have a missing effect that was found"]
+    parts = [f"A missing effect was found in {len(lacking)} of {total} robots"]
     if fleet.effects:
         first = fleet.effects[0]
-        parts[0] += f", {len(first.robots)} of them {effect_phrase(first.key)}"
+        often = "most often " if len(fleet.effects) > 1 else ""
+        parts[0] += f" ({often}{effect_phrase(first.key)}: {len(first.robots)})"
     if open_:
         parts.append(f"{len(open_)} with an unexplained error")
     fine = len(done) - len(lacking) - len(open_)
@@ -36,7 +37,7 @@ def sentence(fleet: Fleet) -> str:
 
 
 def verdict_words(robot: Mapping[str, Any]) -> str:
-    """The verdict of one robot in a few words."""
+    """Return the verdict of one robot in a few words."""
     if robot["failed"] is not None:
         return "failed"
     return {
@@ -68,12 +69,13 @@ def findings(robot: Mapping[str, Any]) -> list[str]:
             f"{parameter_name(n)} {interval(Estimate(p['value'], p['std'] or 0.0, p['unit']))}"
             for n, p in f["parameters"].items()
         )
-        lines.append(plain(f"{key_of(f)}: {values}" if values else str(key_of(f))))
+        what = capital(effect_phrase(key_of(f)))
+        lines.append(plain(f"{what}: {values}" if values else what))
     return lines
 
 
 def differences(effect: Shared) -> list[str]:
-    """One sentence a parameter that differs between robots."""
+    """Return one sentence per parameter that differs between robots."""
     lines = []
     for name, told in effect.spreads.items():
         apart = effect.peculiar(name)
@@ -92,7 +94,7 @@ def differences(effect: Shared) -> list[str]:
 
 def seen(effect: Shared) -> str:
     """Who has it, who may, and whose recordings would not show it."""
-    parts = [f"{len(effect.robots)}: {_names(effect.robots)}"]
+    parts = [f"{len(effect.robots)} ({_names(effect.robots)})"]
     parts += [f"perhaps {_names(effect.perhaps)}"] if effect.perhaps else []
     parts += [f"not identifiable in {_names(effect.unseen)}"] if effect.unseen else []
     return "; ".join(parts)

@@ -1,4 +1,4 @@
-"""Chirps: one sine that sweeps through the band, once a period."""
+"""Chirps: one sine that sweeps through the band, once per period."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def chirp(
     hold: Sequence[float] = (),
     name: str = "chirp",
 ) -> Design:
-    """A set of chirps: n experiments that tell n axes apart.
+    """Return a set of chirps: n experiments that tell n axes apart.
 
     A logarithmic sweep stays equally long in every octave, a linear one equally long in every hertz. Both
     begin at zero. Pintelon and Schoukens 2012, ch. 5 (swept sine).

@@ -42,7 +42,7 @@ def estimate(
     leakage: bool = True,
     method: Literal["auto", "robust", "fast"] = "auto",
 ) -> Frf:
-    """The frequency response about one posture, with its covariance.
+    """Return the frequency response about one posture, with its covariance.
 
     Args:
         recordings: experiments with one periodic excitation, at least as many as there are axes.
@@ -78,7 +78,7 @@ def estimate(
 
 
 def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto") -> Frf:
-    """The response from spectra; see `estimate`."""
+    """Return the response from spectra; see `estimate`."""
     m, choice, first = measured, measured.choice, measured.recordings[0]
     outputs, inputs = choice.channels(first)
     ny, nu, count = len(outputs), len(inputs), len(m.recordings)

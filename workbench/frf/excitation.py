@@ -128,7 +128,7 @@ class Design:
         return (self.periods + self.transient_periods) * self.experiments.shape[1]
 
     def scaled(self, factor: float) -> Design:
-        """The same design, larger or smaller."""
+        """Return the same design, larger or smaller."""
         return replace(self, experiments=self.experiments * factor)
 
     def excitation(self, experiment: int) -> Excitation:
@@ -144,7 +144,7 @@ class Design:
         )
 
     def play(self, experiment: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """All rows of an experiment, as a rig plays them.
+        """Return all rows of an experiment, as a rig plays them.
 
         Returns:
             ``(time, signals)``: time [s], shape (rows,), and by name ``torque_feedforward`` and/or

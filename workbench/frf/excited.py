@@ -100,7 +100,7 @@ def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -
 
 
 def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
-    """Experiments put into whole sets that tell the inputs apart, one set a realisation of the phases.
+    """Experiments put into whole sets that tell the inputs apart, one set per realisation of the phases.
 
     Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
     that does not say it (one axis driven at a time) they are taken in the order given. Sets that play the

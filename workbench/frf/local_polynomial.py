@@ -43,7 +43,7 @@ def local_polynomial(
     halfwidth: int | None = None,
     step: int | None = None,
 ) -> Frf:
-    """The frequency response about one posture, with the covariance of what the fits leave.
+    """Return the frequency response about one posture, with the covariance of what the fits leave.
 
     Args:
         recordings: one or several of one posture, of any excitation that is rough along frequency; of

@@ -40,7 +40,7 @@ def multisine(
     seed: int = 0,
     name: str = "multisine",
 ) -> Design:
-    """A set of multisine experiments: n per realisation, which tell n axes apart.
+    """Return a set of multisine experiments: n per realisation, which tell n axes apart.
 
     Args:
         axes: names of the driven axes, n of them.

@@ -50,7 +50,7 @@ def find_period(signal: np.ndarray) -> float | None:
 
 
 def periodic_rows(reference: np.ndarray, period: int) -> tuple[int, int]:
-    """The longest stretch of rows over which a noise-free reference repeats itself.
+    """Return the longest stretch of rows over which a noise-free reference repeats itself.
 
     Before it lies a fade-in or a rest, behind it whatever came when the excitation had ended.
 

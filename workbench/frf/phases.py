@@ -9,7 +9,7 @@ def schroeder_phases(lines: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
     """Phases that spread the power of a multisine evenly over its period.
 
     The group delay of a line grows with the power of the lines below it, so that the signal sweeps through
-    its spectrum once a period. M. R. Schroeder, "Synthesis of low-peak-factor signals and binary sequences
+    its spectrum once per period. M. R. Schroeder, "Synthesis of low-peak-factor signals and binary sequences
     with low autocorrelation", IEEE Trans. Inf. Theory 16, 1970, eq. (10), here for lines that need not be
     neighbours.
 

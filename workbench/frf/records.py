@@ -43,7 +43,7 @@ class Choice:
 
     @property
     def place(self) -> slice | list[int]:
-        """The axes as an index, without a copy where they stand side by side."""
+        """Return the axes as an index, without a copy where they stand side by side."""
         first, last = self.axes[0], self.axes[-1]
         side_by_side = self.axes == tuple(range(first, last + 1))
         return slice(first, last + 1) if side_by_side else list(self.axes)
@@ -62,13 +62,15 @@ class Choice:
         return tuple(c for s in self.outputs for c in of(s)), tuple(of(self.input))
 
     def hold(self, recordings: Sequence[Recording]) -> float | None:
-        """How long the input stands still from each row on [s]; None where it is smooth between rows."""
+        """Return how long the input stands still from each row on [s]; None where it is smooth between
+        rows.
+        """
         first = recordings[0]
         held = self.input == "torque_command" or looks_held(first.signals[self.input])
         return first.period if held and not self.faster_than_log(recordings) else None
 
     def faster_than_log(self, recordings: Sequence[Recording]) -> bool:
-        """Whether a commanded input changes between the rows, where nobody sees it."""
+        """Return whether a commanded input changes between the rows, where nobody sees it."""
         ticks = [r.controller.period_s or r.period for r in recordings]
         return self.input == "torque_command" and min(ticks) < 0.999 * recordings[0].period
 

@@ -119,7 +119,7 @@ class Frf:
 
     @property
     def noise_std(self) -> np.ndarray:
-        """The same for noise alone, (F, ny, nu)."""
+        """Return the same for noise alone, (F, ny, nu)."""
         return _std(self.noise_covariance, self.response.shape)
 
     @property
@@ -147,7 +147,7 @@ class Frf:
         return phase - turn, phase + turn
 
     def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far a model's response (F, ny, nu) is, all entries of a line together.
+        """Return how far a model's response (F, ny, nu) is, all entries of a line together.
 
         Returns:
             ``(T, p)``, each (F,): squared distance in deviations, and the chance of a larger one if the
@@ -157,7 +157,7 @@ class Frf:
         return distance(d, self.covariance, self.dof, self.wishart_size)
 
     def select(self, outputs: Sequence[str | int], inputs: Sequence[str | int]) -> Frf:
-        """Some outputs and inputs, by number or by axis name.
+        """Return some outputs and inputs, by number or by axis name.
 
         Raises:
             InputError: a name that is not there, or stands for several.
@@ -178,7 +178,7 @@ class Frf:
         )
 
     def within(self, f_min_hz: float = 0.0, f_max_hz: float = np.inf) -> Frf:
-        """The lines of a band [Hz], both ends included.
+        """Return the lines of a band [Hz], both ends included.
 
         Raises:
             InputError: the band holds no line.
@@ -192,7 +192,7 @@ class Frf:
         return self.kept(keep)
 
     def kept(self, lines: np.ndarray) -> Frf:
-        """Some of the lines, by number or (F,) bool."""
+        """Return some of the lines, by number or (F,) bool."""
         return replace(self, **{name: getattr(self, name)[lines] for name in _BY_LINE})
 
     def transformed(
@@ -203,7 +203,7 @@ class Frf:
         outputs: tuple[Channel, ...],
         inputs: tuple[Channel, ...],
     ) -> Frf:
-        """The response in other coordinates: ``left @ response @ right``, both real.
+        """Return the response in other coordinates: ``left @ response @ right``, both real.
 
         With q_p = J q_s and tau_s = J^T tau_p, a joint response becomes an actuator response by
         ``left = J`` and ``right = J.T``. Coherence is not defined for mixtures and becomes NaN.
@@ -252,7 +252,9 @@ class Frf:
         )
 
     def to_control(self) -> FrequencyResponseData:
-        """The response for python-control: ``frdata[output, input, frequency]``, frequencies in rad/s."""
+        """Return the response for python-control: ``frdata[output, input, frequency]``, frequencies in
+        rad/s.
+        """
         from control import FrequencyResponseData
 
         return FrequencyResponseData(

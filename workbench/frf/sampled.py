@@ -49,7 +49,7 @@ def second_order(
 
 
 def response(system: System, omega: np.ndarray, hold_s: float | None) -> np.ndarray:
-    """The response at angular frequencies [rad/s], (F, ny, nu).
+    """Return the response at angular frequencies [rad/s], (F, ny, nu).
 
     Args:
         system: real.
@@ -63,7 +63,7 @@ def response(system: System, omega: np.ndarray, hold_s: float | None) -> np.ndar
 def response_and_slopes(
     system: Callable[[np.ndarray], System], theta: np.ndarray, omega: np.ndarray, hold_s: float | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The response of a system that depends on parameters, and its derivatives, exact to rounding.
+    """Return the response of a system that depends on parameters, and its derivatives, exact to rounding.
 
     The matrices' derivatives come from complex steps through the (real) matrix functions, those of the
     response from the chain rule.
@@ -119,7 +119,7 @@ class _Parts:
         return out
 
     def wait(self, omega: np.ndarray) -> np.ndarray:
-        """The continuous delay, (F, 1, 1)."""
+        """Return the continuous delay, (F, 1, 1)."""
         return np.exp(-1j * omega * np.real(self.late))[:, None, None]
 
     def entry(self, omega: np.ndarray) -> np.ndarray:

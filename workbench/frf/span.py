@@ -38,7 +38,7 @@ class Span:
 
     @property
     def whole(self) -> bool:
-        """Whether a period is a whole number of rows."""
+        """Return whether a period is a whole number of rows."""
         return self.last - self.first == self.count * self.rows
 
     def columns(self, signals: Sequence[str] | None = None, periods: int | None = None) -> np.ndarray:
@@ -55,7 +55,8 @@ class Span:
 
 
 def whole_periods(recording: Recording, choice: Choice, period: float) -> Span:
-    """The whole periods of an experiment, the last ones that fit: what is left over lies at the beginning.
+    """Return the whole periods of an experiment, the last ones that fit: what is left over lies at the
+    beginning.
 
     Where a noise-free reference says when the excitation repeats, nothing before and behind that is used.
 

@@ -107,7 +107,8 @@ def reduce(
 
 
 def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
-    """How many leading periods differ from those behind them by more than these differ among themselves.
+    """Return how many leading periods differ from those behind them by more than these differ among
+    themselves.
 
     At each line the difference of a period from the mean of the later ones, over their variance, is F
     distributed once the response is periodic. The chances of all lines of a band are put together (R. A.

@@ -31,7 +31,7 @@ def real_halfwidth(variance: np.ndarray, dof: np.ndarray | float, level: float) 
 def distance(
     deviation: np.ndarray, covariance: np.ndarray, dof: np.ndarray | float, size: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far deviations are from zero, all entries together (Hotelling).
+    """Return how far deviations are from zero, all entries together (Hotelling).
 
     Args:
         deviation: shape (F, m), complex.

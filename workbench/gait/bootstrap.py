@@ -24,7 +24,7 @@ class Interval:
 
 
 def resampled(statistic: Callable[..., np.ndarray], *blocks: np.ndarray, seed: int = 0) -> Interval:
-    """A statistic of the means of blocks, with a bootstrap interval (Efron, percentiles).
+    """Return a statistic of the means of blocks, with a bootstrap interval (Efron, percentiles).
 
     Args:
         statistic: of one array of means (..., k) for each of `blocks`; gives (...,).

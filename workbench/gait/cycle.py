@@ -20,12 +20,12 @@ class Cycles:
 
     @property
     def mean(self) -> np.ndarray:
-        """The mean stride (PHASES, c)."""
+        """Return the mean stride (PHASES, c)."""
         return self.values.mean(axis=0)
 
 
 def cycles_of(signal: np.ndarray, strides: Strides) -> Cycles:
-    """A signal (N, c) cut into strides and put on their phase."""
+    """Return a signal (N, c) cut into strides and put on their phase."""
     share = np.arange(PHASES) / PHASES
     at = strides.starts[:-1, None] + share * np.diff(strides.starts)[:, None]
     rows = np.arange(len(signal))

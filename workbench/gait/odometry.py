@@ -13,7 +13,8 @@ from .swing import LOADED, Limbs, check
 
 
 def with_leg_odometry(limbs: Limbs, recording: Recording, radius: float) -> Recording:
-    """A recording whose ``base_velocity`` is that of leg odometry, the mean over the feet that stand.
+    """Return a recording whose ``base_velocity`` is that of leg odometry, the mean over the feet that
+    stand.
 
     A foot is a ball that rolls: the point at rest is `radius` under its centre. Taken for a point (0), a ball
     seems to stand still while its centre moves on. Where no foot stands the last velocity is kept.

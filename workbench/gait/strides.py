@@ -23,7 +23,7 @@ class Strides:
 
     @property
     def seconds(self) -> np.ndarray:
-        """How long each stride took (S,) [s]."""
+        """Return how long each stride took (S,) [s]."""
         return np.diff(self.starts) * self.period
 
     @property

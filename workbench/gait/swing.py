@@ -63,7 +63,7 @@ def limbs_of(
     m: mujoco.MjModel, joints: Sequence[str], transmission: np.ndarray, feet: Sequence[str],
     rotors: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None,
 ) -> Limbs:  # fmt: skip
-    """The legs of a compiled robot.
+    """Return the legs of a compiled robot.
 
     Args:
         m: the robot.
@@ -107,7 +107,7 @@ def limbs_of(
 
 
 def predict_swing(limbs: Limbs, recording: Recording, first_row: int = 0) -> SwingPrediction | None:
-    """How well a model foretells the drives' speeds in legs that are in the air throughout.
+    """Return how well a model foretells the drives' speeds in legs that are in the air throughout.
 
     Every `HORIZON_S` the model starts from the measured joints and speeds, gets the measured torques, and its
     base moves as measured. None where no foot was in the air for so long.
@@ -170,7 +170,9 @@ def check(recording: Recording) -> None:
 
 
 def in_air(limbs: Limbs, recording: Recording, joints: np.ndarray) -> np.ndarray:
-    """Whether each foot is in the air (N, F), by its force, else by its height over the lowest foot."""
+    """Return whether each foot is in the air (N, F), by its force, else by its height over the lowest
+    foot.
+    """
     force = recording.extra.get("ground_force")
     if force is not None and force.shape[1] == 3 * len(limbs.legs):
         return np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1) < LOADED

@@ -22,7 +22,7 @@ class Parts:
 
     @property
     def whole(self) -> np.ndarray:
-        """The difference (N,)."""
+        """Return the difference (N,)."""
         return self.bias + self.slow + self.ripple
 
 

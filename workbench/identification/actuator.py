@@ -80,7 +80,7 @@ def delays(low: float, high: float, omega: np.ndarray) -> np.ndarray:
 
 
 def to_velocity(frf: Frf, moves: str) -> np.ndarray:
-    """The response's velocity per torque, roughly, half a hold earlier, (F, ny, nu)."""
+    """Return the response's velocity per torque, roughly, half a hold earlier, (F, ny, nu)."""
     early = np.exp(0.5j * frf.omega * (frf.hold_s or 0.0))[:, None, None]
     return frf.response * early * (1j * frf.omega[:, None, None] if moves == "position" else 1.0)
 

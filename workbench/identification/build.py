@@ -18,7 +18,7 @@ _ALPHA = np.radians(np.linspace(0.0, 180.0, 13))
 
 
 def with_actuator(model: Model, *found: ActuatorIdentification) -> Model:
-    """The model with every drive's inertia, damping and delay as identified (S3N-Act, Eqs. 12, 13).
+    """Return the model with every drive's inertia, damping and delay as identified (S3N-Act, Eqs. 12, 13).
 
     Args:
         model: the model.
@@ -46,7 +46,8 @@ def with_actuator(model: Model, *found: ActuatorIdentification) -> Model:
 
 
 def with_leg(model: Model, found: LegIdentification) -> Model:
-    """The model as S3N-Full: the actuators' share and the serial tree's subtracted once (Eqs. 15 and 19).
+    """Return the model as S3N-Full: the actuators' share and the serial tree's subtracted once (Eqs. 15
+    and 19).
 
     Args:
         model: with its actuators and its serial tree.

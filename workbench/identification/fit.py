@@ -68,12 +68,12 @@ class Fit:
 
     @property
     def adequate(self) -> bool:
-        """Whether what is left is what noise leaves, in size and in whiteness."""
+        """Return whether what is left is what noise leaves, in size and in whiteness."""
         return self.judgement.adequate
 
     @property
     def sentence(self) -> str:
-        """The same in words."""
+        """Return the same in words."""
         return self.judgement.sentence
 
 

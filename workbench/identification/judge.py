@@ -36,7 +36,7 @@ class Judgement:
 
     @property
     def adequate(self) -> bool:
-        """Whether noise is all that is left."""
+        """Return whether noise is all that is left."""
         return self.size_fine and self.white
 
     @property

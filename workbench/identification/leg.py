@@ -33,7 +33,7 @@ def fit_leg(
     sampled command is part of the model.
 
     Args:
-        frfs: responses of both axes, 2 x 2, one a posture; M12 and the diagonal come apart wherever cos a
+        frfs: responses of both axes, 2 x 2, one per posture; M12 and the diagonal come apart wherever cos a
             is not zero.
         transmission: J of q_p = J q_s, (2, 2), for responses in joint coordinates.
         gravity: ``"sine"``: K = diag(g1 cos q1, g2 cos q2), two unknowns in all; ``"free"``: two

@@ -31,7 +31,7 @@ def readable(value: Estimate) -> Estimate:
 
 
 def actuator_sheet(found: ActuatorIdentification) -> Sheet:
-    """A drive's inertia, damping and delay."""
+    """Return a drive's inertia, damping and delay."""
     values = (("Inertia", found.inertia), ("Damping", found.damping), ("Delay", found.delay))
     rows = tuple((name, interval(readable(v))) for name, v in values)
     table = SheetTable("Estimates, with 95 % intervals", ("Parameter", ">Estimate"), rows)
@@ -43,7 +43,7 @@ def actuator_sheet(found: ActuatorIdentification) -> Sheet:
 
 
 def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
-    """A leg's total inertia, the actuators' share, and what is the linkage's over the serial tree."""
+    """Return a leg's total inertia, the actuators' share, and what is the linkage's over the serial tree."""
     own, linkage = built.actuators.inertia, built.linkage
     assert linkage is not None
     totals = (("M11", found.M11), ("M12", found.M12), ("M22", found.M22))

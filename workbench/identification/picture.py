@@ -46,9 +46,9 @@ def fit_figure(fit: Fit) -> Figure:
 def actuator_figure(found: ActuatorIdentification) -> Figure:
     """Measured and fitted response of a drive, and what half and twice of each parameter would give.
 
-    A column a parameter, magnitude over phase (as in the paper's figure of the actuator): damping shows at
-    low frequency, inertia in the roll-off, the delay in the phase. A delay of less than a row is drawn a row
-    less and a row more instead.
+    One column per parameter, magnitude over phase (as in the paper's figure of the actuator): damping shows
+    at low frequency, inertia in the roll-off, the delay in the phase. For a delay of less than a row, one row
+    less and one row more are drawn instead.
     """
     from workbench.core.picture import Picture
 

@@ -41,7 +41,7 @@ class LegIdentification:
         damping: of each drive [N m s/rad].
         delay: from command to torque [s].
         gravity: g1, g2 of the torque -g sin q, from the stiffness about the postures [N m].
-        frfs: the measured responses, one a posture.
+        frfs: the measured responses, one per posture.
         fit: what they were fitted with, and whether that was enough.
     """
 

@@ -15,7 +15,7 @@ _NEAR = 7  # lines to each side whose residuals are pooled
 
 
 def with_enough_residuals(frf: Frf) -> Frf:
-    """The response with covariances pooled over as few neighbouring lines as make them usable.
+    """Return the response with covariances pooled over as few neighbouring lines as make them usable.
 
     Raises:
         InputError: a covariance without any residual behind it.
@@ -37,7 +37,9 @@ def whitening(frf: Frf) -> np.ndarray:
 
 
 def weighted_by_rest(frf: Frf, rest: np.ndarray) -> Frf:
-    """The response with what a model leaves of it (F, ny, nu) in its covariance, where that is more."""
+    """Return the response with what a model leaves of it (F, ny, nu) in its covariance, where that is
+    more.
+    """
     d = rest.reshape(len(frf), -1)
     found = replace(
         frf,
@@ -56,7 +58,7 @@ def weighted_by_rest(frf: Frf, rest: np.ndarray) -> Frf:
 
 
 def without_band(frf: Frf, band: int, bands: int) -> Frf:
-    """The response without one of `bands` stretches of neighbouring lines."""
+    """Return the response without one of `bands` stretches of neighbouring lines."""
     edges = np.linspace(0, len(frf), bands + 1).round().astype(int)
     keep = np.ones(len(frf), bool)
     keep[edges[band] : edges[band + 1]] = False

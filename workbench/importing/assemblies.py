@@ -41,7 +41,8 @@ class Assemblies:
 
 
 def assemblies(mechanism: Mechanism) -> Assemblies:
-    """The ways in which a mechanism's loops close in the middle of its limits, or at its start without them.
+    """Return the ways in which a mechanism's loops close in the middle of its limits, or at its start
+    without them.
 
     Raises:
         InputError: as `ClosedChain`.

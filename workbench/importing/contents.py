@@ -40,7 +40,7 @@ class Contents(Beside):
 
     @property
     def bonds(self) -> list[str]:
-        """A line each for what the file binds beside its tree; empty for a plain tree."""
+        """Return a line each for what the file binds beside its tree; empty for a plain tree."""
         follow = [
             f"{c.joint} follows {c.follows}" if c.follows else f"{c.joint} is held" for c in self.couplings
         ]

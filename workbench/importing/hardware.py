@@ -74,7 +74,7 @@ def own_plants(hidden: Sequence[HiddenIn] = ()) -> Callable[[str, int, float], L
 
 
 def is_reference_leg(model: Model) -> bool:
-    """Whether a model's mechanism is the reference leg, which has a simulator of its own."""
+    """Return whether a model's mechanism is the reference leg, which has a simulator of its own."""
     chain = model.closed_chain
     return chain is not None and chain.file.resolve() == closed_chain_file("leg").resolve()
 

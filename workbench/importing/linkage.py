@@ -49,7 +49,8 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
 
 
 def is_all(chain: ClosedChain, model: Model) -> bool:
-    """Whether the serial tree has the mass and weight of the whole mechanism, and the loops carry none.
+    """Return whether the serial tree has the mass and weight of the whole mechanism, and the loops
+    carry none.
 
     Args:
         chain: the closed chain.

@@ -27,7 +27,8 @@ def ends(m: mujoco.MjModel, e: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
 
 
 def coupling(m: mujoco.MjModel, e: int, file: Path) -> Coupling:
-    """A joint that follows another, between positions and not, as MuJoCo has it, ways from the file's pose.
+    """Return a joint that follows another, between positions and not, as MuJoCo has it, ways from the file's
+    pose.
 
     Raises:
         InputError: one of them is a ball.
@@ -93,7 +94,7 @@ def resting(m: mujoco.MjModel, joints: Sequence[int]) -> dict[str, float]:
 
 
 def motors_of(m: mujoco.MjModel, j: int) -> np.ndarray:
-    """The actuators that turn a joint itself."""
+    """Return the actuators that turn a joint itself."""
     return np.flatnonzero(
         (m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (m.actuator_trnid[:, 0] == j)
     )

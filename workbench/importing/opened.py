@@ -16,7 +16,7 @@ from .loop_list import loop_list, with_list
 
 
 def is_mjcf(file: Path) -> bool:
-    """Whether a file is an MJCF, by its root.
+    """Return whether a file is an MJCF, by its root.
 
     Raises:
         InputError: it is no XML.
@@ -29,7 +29,7 @@ def is_mjcf(file: Path) -> bool:
 
 @contextmanager
 def opened(file: Path) -> Iterator[tuple[Path, Converted | None]]:
-    """A file that the mechanism's parser reads: itself, or while this lasts one made of it that is.
+    """Return a file that the mechanism's parser reads: itself, or while this lasts one made of it that is.
 
     Raises:
         InputError: it cannot be read or converted; whatever is raised inside names the file itself.

@@ -54,7 +54,7 @@ def explain_speed(
 
     Args:
         recording: whose velocity was not measured.
-        ratio, phase: rows a tick, and the row of the first.
+        ratio, phase: rows per tick, and the row of the first.
         tried: candidates of M, which takes positions to the controller's.
     """
     # a log may begin while the machine moves: what was before its first rows no difference knows

@@ -16,7 +16,8 @@ _SEED = 7  # what is random here has to come out the same every time
 
 
 def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:
-    """A closed posture (N,) that the drives determine, as near the mechanism's start posture as that allows.
+    """Return a closed posture (N,) that the drives determine, as near the mechanism's start posture as that
+    allows.
 
     Args:
         tree: the cut mechanism.
@@ -59,7 +60,8 @@ def _count_freedoms(tree: Tree, drives: Sequence[int], theta: np.ndarray) -> Non
 
 
 def generic_jacobian(tree: Tree, theta: np.ndarray, passive: Sequence[int]) -> np.ndarray:
-    """The gaps' Jacobian of highest rank among closed postures near `theta`, which may be a dead point.
+    """Return the gaps' Jacobian of highest rank among closed postures near `theta`, which may be a dead
+    point.
 
     Of the whole, then of the passive coordinates alone: a crank in line with its rod is a dead point of a
     drive at the far end, where the loops are as good as anywhere.

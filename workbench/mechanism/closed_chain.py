@@ -87,7 +87,8 @@ class ClosedChain:
         return self._driven.regular(q)[1]
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
-        """The equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or m/s].
+        """Return the equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or
+        m/s].
 
         Raises:
             SimulationError: the loops cannot be closed, or are at a dead point (links of a loop in line).
@@ -101,7 +102,7 @@ class ClosedChain:
         return self._tree.energy()
 
     def margin(self, q: np.ndarray) -> Margin:
-        """How far drive positions `q` (n,) are from a dead point.
+        """Return how far drive positions `q` (n,) are from a dead point.
 
         Raises:
             SimulationError: the loops cannot be closed there.
@@ -152,7 +153,8 @@ class ClosedChain:
         return self._serial.gamma(inverse)[self._driven.independent]
 
     def serial_dynamics(self, joints: np.ndarray, speeds: np.ndarray) -> Reduced:
-        """The equation of motion in serial coordinates, torque J^T tau_p: positions and speeds (n,).
+        """Return the equation of motion in serial coordinates, torque J^T tau_p: positions and speeds
+        (n,).
 
         Raises:
             SimulationError: the loops cannot be closed there, or are at a dead point.

@@ -32,7 +32,7 @@ class _Group:
 
 
 def closed_near_start(tree: Tree, drives: Sequence[int]) -> np.ndarray:
-    """The closed posture (N,) nearest to the mechanism's start posture; it may be a dead point.
+    """Return the closed posture (N,) nearest to the mechanism's start posture; it may be a dead point.
 
     Args:
         tree: the cut mechanism.

@@ -173,7 +173,7 @@ class DiscreteChain:
         return forces
 
     def place(self, frame: str) -> np.ndarray:
-        """Where the origin of a frame is in the world (3,) [m]."""
+        """Return where the origin of a frame is in the world (3,) [m]."""
         return self.plant.GetFrameByName(frame).CalcPoseInWorld(self._context).translation()
 
     def _whole(self, base: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:

@@ -45,7 +45,7 @@ class Ground:
 
 
 def stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[Any]:
-    """The ground and the feet's spheres; returns the feet's bodies."""
+    """Return the ground and the feet's spheres; returns the feet's bodies."""
     surface: Any = ProximityProperties()
     stiffness = None if ground.stiffness is None else 2.0 * ground.stiffness  # half of it gives way each
     AddContactMaterial(

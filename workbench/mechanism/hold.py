@@ -16,7 +16,7 @@ _STILL = 1e-9  # of a unit of motion
 
 
 def held_rest(mechanism: Mechanism, first: Sequence[str] = ()) -> tuple[Coupling, ...]:
-    """The joints to hold so that the loops leave as many freedoms as there are drives.
+    """Return the joints to hold so that the loops leave as many freedoms as there are drives.
 
     Each is held where it is at the start. Serial joints and drives are never held; of the others those in
     `first` are taken before the rest, and of the rest those nearest to the base.

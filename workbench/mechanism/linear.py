@@ -64,7 +64,7 @@ class LinearPlant:
 def linearise(
     chain: ClosedChain, q: np.ndarray, inertia: Sequence[float], damping: Sequence[float]
 ) -> LinearPlant:
-    """The plant about drive positions `q`.
+    """Return the plant about drive positions `q`.
 
     Args:
         chain: the links.

@@ -60,5 +60,5 @@ def find_frame(plant: Any, model: Any, mechanism: Mechanism, name: str, key: str
 
 
 def origin(frame: Any) -> np.ndarray:
-    """Where a frame's origin is in its body's frame (3,) [m]."""
+    """Return where a frame's origin is in its body's frame (3,) [m]."""
     return frame.GetFixedPoseInBodyFrame().translation()

@@ -35,7 +35,7 @@ class BallLoop:
 
 
 def parse(file: Path, plant: Any = None, *, hold_base: bool = True) -> tuple[Any, Any]:
-    """A Drake plant of the file, not yet finalised, and its model instance.
+    """Return a Drake plant of the file, not yet finalised, and its model instance.
 
     Args:
         file: SDF or URDF with one model.
@@ -60,7 +60,7 @@ def parse(file: Path, plant: Any = None, *, hold_base: bool = True) -> tuple[Any
 
 
 def finished(plant: Any, file: Path) -> Any:
-    """The plant, finalised and with gravity along -z.
+    """Return the plant, finalised and with gravity along -z.
 
     Raises:
         InputError: its joints form a loop, or it has constraints or joints that are not understood here.
@@ -81,7 +81,7 @@ def finished(plant: Any, file: Path) -> Any:
 
 
 def declared_loops(file: Path) -> tuple[BallLoop, ...]:
-    """The loops that the file closes itself, read from its XML: Drake does not give them back.
+    """Return the loops that the file closes itself, read from its XML: Drake does not give them back.
 
     Raises:
         InputError: not XML, or joints are bound to each other by what is no loop.

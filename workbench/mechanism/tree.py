@@ -99,7 +99,7 @@ class Tree:
         return out if rows is None else out[list(rows)]
 
     def open_loops(self) -> np.ndarray:
-        """How far each loop gapes (m,) [m]."""
+        """Return how far each loop gapes (m,) [m]."""
         return np.linalg.norm(self.gap()[: 3 * len(self._pairs)].reshape(-1, 3), axis=1)
 
     def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Any table or log that an engineer has, made a recording: what its columns are is found or asked."""
+"""Makes a recording of any table or log; the meaning of its columns is found or asked."""
 
 from .by_weight import by_weight
 from .files import open_table

@@ -1,4 +1,4 @@
-"""Which column is which signal of which joint, as far as that is known."""
+"""Which column is which signal of which joint, as far as known."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ class Signals:
     notes: list[str] = field(default_factory=list)
 
     def put(self, signal: str, joint: str, column: str, because: str, sure: float) -> None:
-        """Assign one column; the least sure of a signal counts."""
+        """Assign one column; the confidence of a signal is that of its least certain column."""
         self.columns.setdefault(signal, {})[joint] = column
         if sure < self.sure.get(signal, 2.0):
             self.sure[signal], self.because[signal] = sure, because
 
     def drop(self, signal: str) -> None:
-        """Forget a signal."""
+        """Remove a signal."""
         self.columns.pop(signal, None)
 
     def used(self) -> set[str]:
-        """Every column that has a meaning."""
+        """Return every column that has a meaning."""
         return {c for by_joint in self.columns.values() for c in by_joint.values()}
 
 
 def moves(values: np.ndarray) -> bool:
-    """Whether a column changes at all."""
+    """Return whether a column changes at all."""
     return bool(np.ptp(values[np.isfinite(values)]) > 0)
 
 
 def filled(values: np.ndarray) -> np.ndarray:
-    """The column with empty cells bridged."""
+    """Return the column with empty cells interpolated."""
     good = np.isfinite(values)
     if good.all():
         return values

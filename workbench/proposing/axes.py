@@ -1,4 +1,4 @@
-"""Which joints there are, in which order, and every signal brought into that order."""
+"""Names and order of the joints, and every signal in this order."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .proposal import Question
 
 
 def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:
-    """Axis names, and signal -> one column per axis; signals that lack a joint are left out, and said.
+    """Return axis names, and signal -> one column per axis; signals that lack a joint are left out,
+    with a note.
 
     Raises:
         InputError: there is no position, or another number of axes than was stated.

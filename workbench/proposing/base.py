@@ -1,4 +1,4 @@
-"""Where the base of a robot was, for a model whose base floats: columns of its place and its quaternion."""
+"""Pose of the base, for a model with a floating base: columns of its position and quaternion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _UNIT = 0.05  # by which the length of a quaternion may be off
 
 
 def base_columns(draft: Draft) -> dict[str, list[str]]:
-    """The columns of each of `BASE` that is stated or, of the pose, known by its names and its numbers.
+    """Return the columns of each of `BASE` that is stated or, for the pose, found by names and numbers.
 
     Rates are taken only where they are stated: no name tells along which axes they were taken.
 

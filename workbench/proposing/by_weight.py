@@ -1,4 +1,4 @@
-"""Units that a model's weight and inertia tell: in the wrong ones, its motion needs another torque."""
+"""Units found from weight and inertia of a model: with wrong units, its motion needs another torque."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TORQUES = ("N*m", "N*mm", "cN*m")
 
 
 def by_weight(proposal: Proposal, table: Table, answers: Answers, model: Model) -> Answers:
-    """The answers, with units of the motion as the model tells them; unchanged where it tells none.
+    """Return the answers with units of the motion found from the model; unchanged if it determines none.
 
     Asked is what is open, and what only the size of the numbers tells where the model contradicts it.
 

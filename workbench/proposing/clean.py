@@ -1,4 +1,4 @@
-"""A table's rows made a recording's rows: time forward, nothing twice, what was not measured marked."""
+"""Makes the rows of a recording from those of a table: increasing time, no duplicates, gaps marked."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Clean:
 
 
 def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run: int | None = None) -> Clean:
-    """Put rows in order.
+    """Return the rows in order.
 
     Args:
         columns: name -> values (N,).

@@ -1,4 +1,4 @@
-"""Which column is time, and in which unit its numbers are."""
+"""Which column is time, and in which unit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WHOLE_STEPS = 0.98
 
 
 def find_time(table: Table, roles: dict[str, Role], answers: Answers) -> tuple[str | None, str, float]:
-    """The time column, why it is taken for one, and how sure; None where there is none."""
+    """Return the time column, the reason, and the confidence; None if there is none."""
     stated = answers.columns.get("time")
     if stated:
         return stated[0], "you said so", 1.0
@@ -49,7 +49,7 @@ def _counts_rows(values: np.ndarray) -> bool:
 
 
 def time_weights(values: np.ndarray, role: Role, answers: Answers) -> tuple[dict[str, float], str]:
-    """Weights of the clock's units, and what they rest on."""
+    """Return weights of the units of the clock, and their reasons."""
     stated = answers.units.get("time")
     if stated:
         return {pint_unit(stated, "time") or stated: 1.0}, "you said so"
@@ -66,6 +66,6 @@ def time_weights(values: np.ndarray, role: Role, answers: Answers) -> tuple[dict
 
 
 def rate_question() -> Question:
-    """What to ask where no column is time."""
+    """Return the question to ask if no column is time."""
     text = "No column looks like time. Which one is it, or how many rows per second are there?"
     return Question("rate", text, (), "", "--rate HZ (or --column time=NAME)")

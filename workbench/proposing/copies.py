@@ -1,4 +1,4 @@
-"""Rows that say the same again: a logger that runs faster than the data come writes each several times."""
+"""Repeated rows: a logger that is faster than its data writes each row several times."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOSTLY = 0.9  # of the changes are as many rows apart
 
 
 def each_row_once(table: Table, roles: Mapping[str, Role], answers: Answers) -> Table:
-    """The table without rows that are copies of those before them, where nearly all are; and a note.
+    """Return the table without repeated rows, if nearly all are repeated; and a note.
 
     Args:
         table: the columns.
@@ -41,7 +41,7 @@ def each_row_once(table: Table, roles: Mapping[str, Role], answers: Answers) -> 
 
 
 def copied_rows(columns: Collection[np.ndarray]) -> tuple[int, int]:
-    """How often each row stands in a table, one after the other, and the first row that begins such a group.
+    """Return how often each row is repeated, and the first row of such a group.
 
     Sensors that are read anew differ from row to row by their noise, at least on one axis; a coarse encoder
     that turns slowly stays for a number of rows that changes with its speed.

@@ -1,4 +1,4 @@
-"""Positions that count an encoder's steps: how many make a turn, where the numbers run over one."""
+"""Positions in encoder steps: how many steps make a turn, if the numbers cover one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BEYOND = 0.002  # and past both by no more: a filter of speed overshoots by som
 
 
 def turn_of(values: np.ndarray) -> int:
-    """Steps a turn of positions that run over a whole one; 0 where they do not.
+    """Return steps per turn of positions that cover a complete turn; 0 otherwise.
 
     Args:
         values: all columns, shape (N, n). Each ends just below the turn, or half of it either way; of whole
@@ -36,7 +36,9 @@ def turn_of(values: np.ndarray) -> int:
 
 
 def turn_that_wraps(size: int) -> int:
-    """Steps a turn of an encoder that begins anew after `size`; 0 where the number itself may have ended."""
+    """Return steps per turn of an encoder that wraps after `size`; 0 if only the number may have
+    overflowed.
+    """
     return size if size in TURNS and size not in _NUMBERS else 0
 
 

@@ -1,4 +1,4 @@
-"""Where stated units and numbers differ: what is stated of an axis is kept, and the difference is said."""
+"""Differences between stated units and numbers: the stated unit is kept, and the difference is reported."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ _OTHERS = {
 
 
 def is_near(ratio: float) -> bool:
-    """Whether a velocity may be the derivative: noise shrinks the factor, smaller units do not differ so."""
+    """Return whether a velocity may be the derivative: noise reduces the factor, and smaller units differ by
+    more.
+    """
     return 0.8 < ratio < 1.25
 
 
 def note_clock(draft: Draft, time: str, weights: Mapping[str, float], why: str, taken: str) -> None:
-    """Say where velocities overrule the unit in the clock's name."""
+    """Report if velocities contradict the unit in the name of the clock."""
     stated = max(weights, key=lambda u: weights[u])
     if why.startswith("its name") and stated != taken:
         draft.notes.append(
@@ -43,7 +45,7 @@ def note_factors(
     units: Mapping[str, Sequence[str]],
     ratios: Mapping[int, float],
 ) -> None:
-    """Say where velocity is not the derivative of position in the units that are taken.
+    """Report if velocity is not the derivative of position in the assumed units.
 
     Args:
         draft: takes the notes.
@@ -80,7 +82,7 @@ def note_factors(
 def note_rate(
     draft: Draft, units: Mapping[str, Sequence[str]], clock: str, ratios: Mapping[int, float]
 ) -> bool:
-    """Say where a stated rate puts every velocity off alike; whether it was said.
+    """Report if a stated rate makes all velocities wrong by the same factor; return whether it does.
 
     Args:
         draft: takes the note.
@@ -105,7 +107,7 @@ def note_rate(
 def note_size(
     draft: Draft, columns: dict[str, list[str]], rows: Clean, units: Sequence[str], stated: Stated
 ) -> None:
-    """Say where positions are far too large for the unit in their names."""
+    """Report if positions are far too large for the unit in their names."""
     odd: dict[tuple[str, str], list[int]] = {}
     for i, unit in enumerate(units):
         values = rows.columns[columns["position"][i]][:, None]

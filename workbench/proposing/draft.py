@@ -1,4 +1,4 @@
-"""A proposal in the making: what is given, and what was assumed, asked and noted so far."""
+"""A proposal during construction: inputs, assumptions, questions and notes so far."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FALLBACK_RATE = 100.0  # rows per second, for looking at the rest while the ques
 
 @dataclass
 class Draft:
-    """What a proposal is made from and with; its parts add to the lists.
+    """Inputs and results of a proposal; its parts add to the lists.
 
     Attributes:
         table: the columns.
@@ -29,11 +29,11 @@ class Draft:
     notes: list[str] = field(default_factory=list)
 
     def assume(self, what: str, value: str, sure: float, because: str) -> None:
-        """Note an assumption."""
+        """Add an assumption."""
         self.assumed.append(Assumption(what, value, sure, because))
 
     def unsure(self, what: str, sure: float, value: str | None = None) -> None:
-        """Make an assumption less sure than it was noted to be, or of another value."""
+        """Make an assumption less certain than noted, or change its value."""
         self.assumed = [
             replace(a, sure=min(a.sure, sure), value=a.value if value is None else value)
             if a.what == what

@@ -1,4 +1,4 @@
-"""Gains that were logged beside the references, as drives take them in their impedance ("MIT") mode."""
+"""Gains that were logged beside the references, as for drives in impedance ("MIT") mode."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SAME = 0.01  # of a gain, by which it may vary
 
 
 def settle_feedforward(out: Signals, *, law: bool) -> None:
-    """A commanded torque beside logged gains is what drives add to their law, unless it is that law itself.
+    """Treat a commanded torque beside logged gains as feedforward, unless it is the control law itself.
 
     Args:
         out: the assignment so far.
@@ -32,7 +32,8 @@ def settle_feedforward(out: Signals, *, law: bool) -> None:
 def take_controller(
     draft: Draft, columns: dict[str, list[str]], axes: Sequence[str], coordinates: str
 ) -> dict[str, Any] | None:
-    """The ``[controller]`` of logged gains, which are no signals; None where there are none, or they change.
+    """Return the ``[controller]`` of logged gains, which are no signals; None if there are none, or
+    they change.
 
     Args:
         draft: the table; takes what is assumed and noted.
@@ -51,7 +52,7 @@ def take_controller(
 
 
 def gains_shown(controller: Mapping[str, Any]) -> str:
-    """The gains in a few words."""
+    """Return the gains in a few words."""
     return "pd, " + "; ".join(
         f"{gain} {', '.join(f'{x:.4g}' for x in controller[gain])}" for gain in GAINS if gain in controller
     )

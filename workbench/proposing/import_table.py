@@ -1,4 +1,4 @@
-"""A recording of any table or log in one call, for scripts and notebooks."""
+"""Makes a recording of any table or log in one call, for scripts and notebooks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ _FIELDS = {"unit": "units", "constant": "units", "column": "columns", "rate": "r
 def import_table(
     path: str | Path, model: str | Model | None = None, *, likeliest: bool = False, **said: Any
 ) -> Recording:
-    """The recording that a table or log holds; what its columns are is found, told by the model or by you.
+    """Return the recording of a table or log; the meaning of columns is found, or stated by the model
+    or by you.
 
     Args:
         path: CSV, JSON, Parquet, MATLAB, NumPy, MCAP, a CAN log: whatever `workbench import` reads.
@@ -51,7 +52,7 @@ def import_table(
 
 
 def said_by(model: Model) -> dict[str, Any]:
-    """What a model says of a recording that is made for it, as fields of `Answers`."""
+    """Return what a model states of a recording that is made for it, as fields of `Answers`."""
     n = len(model.driven)
     transmission = model.transmission[:n, :n]
     return {

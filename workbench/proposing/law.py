@@ -1,4 +1,4 @@
-"""The controller read from its own log: command against position error and speed."""
+"""The controller, found from its log: command against position error and speed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Law:
 
 
 def find_law(recording: Recording, transmission: np.ndarray | None = None) -> Law | None:
-    """The PD law that the logged command follows, None where it follows none or is not logged.
+    """Return the PD law that the logged command follows; None if there is no command, or it follows none.
 
     Args:
         recording: what was logged.
@@ -61,7 +61,7 @@ def find_law(recording: Recording, transmission: np.ndarray | None = None) -> La
 
 
 def is_law(error: np.ndarray, speed: np.ndarray, torque: np.ndarray) -> bool:
-    """Whether torques (N, n) are a law of errors of position and speeds (N, n), whatever their units.
+    """Return whether torques (N, n) are a law of position errors and speeds (N, n), whatever their units.
 
     A measured torque is not: it is late, it is noisy, and a drive has limits.
     """

@@ -1,4 +1,4 @@
-"""Joints that are called like a quantity, ``effort``, ``time`` or ``load``: what stands beside them tells."""
+"""Joints with the name of a quantity, such as ``effort``, ``time`` or ``load``: other columns show it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LONG = 4  # letters of a word that a joint is called by; shorter ones are symbo
 
 
 def joints_like_quantities(names: Sequence[str]) -> dict[str, Role]:
-    """Column -> what its name says without the word that is its joint's name.
+    """Return column -> meaning of its name without the word that is the name of its joint.
 
     A word for a quantity is a joint's name where the rest of its columns' names tells a position and more of
     the motion: ``q_effort``, ``dq_effort`` and ``tau_effort`` are three quantities of one joint.

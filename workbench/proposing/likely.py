@@ -1,4 +1,4 @@
-"""Units that nobody states: by the size of numbers, how velocity follows position, where encoders wrap."""
+"""Unstated units: by the size of numbers, by the derivative of position, by the range of encoders."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def motion_units(
     tied: tuple[Mapping[int, float], Mapping[int, Relation]],
     wraps: Mapping[str, float],
 ) -> tuple[Told, dict[str, list[UnitTold]]]:
-    """The clock's unit, and those of ``position`` and, where it was logged, ``velocity``, one per axis.
+    """Return the unit of the clock, and of ``position`` and, if logged, ``velocity``, one per axis.
 
     Args:
         draft: what the user says, and the names of the columns.
@@ -91,7 +91,7 @@ def motion_units(
 
 
 def torque_units(draft: Draft, rows: Clean, columns: dict[str, list[str]], stated: Stated) -> list[UnitTold]:
-    """The unit of torque of each axis."""
+    """Return the unit of torque of each axis."""
     groups: dict[tuple[bool, str], list[int]] = {}
     for i, linear in enumerate(stated.linear):
         groups.setdefault((linear, stated.units["torque"][i]), []).append(i)

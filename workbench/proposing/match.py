@@ -1,4 +1,4 @@
-"""Columns held against each other: which is the derivative of which, which follows which, on what scale."""
+"""Comparison of columns: which is the derivative of which, which follows which, with which scale."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Relation:
 
 
 def slope(position: np.ndarray) -> np.ndarray:
-    """Change of a column per row, smooth, shape (N,)."""
+    """Return the smoothed change of a column per row, shape (N,)."""
     return derive_velocity(position[:, None], 1.0)[:, 0]
 
 
 def derivative(position: np.ndarray, velocity: np.ndarray) -> Relation:
-    """How far a column is the derivative (per row) of another; both shape (N,), finite."""
+    """Return how well a column is the derivative (per row) of another; both shape (N,), finite."""
     position, velocity = position[:_MOST], velocity[:_MOST]
     if _stands(position) or _stands(velocity):
         return Relation(0.0, 0, 0.0)
@@ -39,7 +39,7 @@ def derivative(position: np.ndarray, velocity: np.ndarray) -> Relation:
 
 
 def follows(a: np.ndarray, b: np.ndarray) -> Relation:
-    """How far column b is column a, later or earlier, on another scale; offsets aside."""
+    """Return how well column b is column a with a delay and a scale; offsets are ignored."""
     a, b = a[:_MOST], b[:_MOST]
     if _stands(a) or _stands(b):
         return Relation(0.0, 0, 0.0)
@@ -76,6 +76,8 @@ def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def held_share(values: np.ndarray) -> float:
-    """Part of the rows at which a column keeps its value, but for those at exactly zero: drives were off."""
+    """Return the share of rows at which a column keeps its value, without those at exactly zero (drives
+    off).
+    """
     on = (values[1:] != 0) | (values[:-1] != 0)
     return float(np.mean(np.diff(values)[on] == 0)) if on.any() else 0.0

@@ -1,4 +1,4 @@
-"""Topics of different rates onto the rows of one: measurements along lines, what was asked for held.
+"""Topics with different rates on the rows of one: measurements interpolated, commands held.
 
 A loop reads a position and then publishes its command, so that a command's stamp comes after that of the row
 which it is the answer to. It belongs to that row, not to the next.
@@ -21,7 +21,7 @@ _SAME_RATE = 0.05  # two series this near in rate have a row each for each of th
 
 
 def merged(table: Table, series: Sequence[Series], time: str, answers: Answers | None = None) -> Table:
-    """The table with the columns of several series.
+    """Return one table with the columns of several series.
 
     The rows are those of the series with measured positions of most of the axes that are asked for, among
     these of the fastest. Numbers are NaN where a series has not begun or has ended.
@@ -50,7 +50,7 @@ def merged(table: Table, series: Sequence[Series], time: str, answers: Answers |
 
 
 def on_rows_of(table: Table, answers: Answers) -> Table:
-    """The table on the rows of the axes that are asked for, where it has several series."""
+    """Return the table on the rows of the selected axes, if it has several series."""
     if not table.series:
         return table
     return merged(table, table.series, next(iter(table.columns)), answers)
@@ -59,7 +59,7 @@ def on_rows_of(table: Table, answers: Answers) -> Table:
 def onto(
     rows: np.ndarray, stamps: np.ndarray, values: np.ndarray, name: str, *, beside: bool = False
 ) -> np.ndarray:
-    """A column at the times of other rows, in any unit: held where it was asked for, else along lines.
+    """Return a column at the times of other rows, in any unit: held for commands, else interpolated.
 
     Args:
         rows: times (K,).
@@ -96,7 +96,7 @@ def _period(times: np.ndarray) -> float:
 
 
 def is_wanted(name: str, answers: Answers) -> bool:
-    """Whether a column is the position of an axis that is asked for, by its name."""
+    """Return whether a column is the position of a selected axis, by its name."""
     stated = answers.columns.get("position")
     if stated:
         return name in stated

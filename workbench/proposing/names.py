@@ -1,4 +1,4 @@
-"""What a column's name says: quantity, unit, joint, and whether it was measured or asked for."""
+"""Meaning of the name of a column: quantity, unit, joint, and whether it is measured or commanded."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ _SHORT = ("w", "v", "i", "u", "n", "t", "a", "om", "q", "x")
 
 @dataclass(frozen=True)
 class Role:
-    """What one name says.
+    """Meaning of one name.
 
     Attributes:
         kind: a key of `KINDS`, ``command`` where only that is said, or ``""``.
@@ -85,7 +85,7 @@ class Role:
 
 @lru_cache(maxsize=4096)
 def role_of(name: str, unit: str = "") -> Role:
-    """Read one column's name; a unit stated elsewhere may be given."""
+    """Return the meaning of the name of one column; a unit stated elsewhere may be given."""
     text = name
     bracket = _BRACKET.search(name)
     if bracket and not bracket[1].strip().isdigit() and (bracket[1] == "" or known_unit(bracket[1])):
@@ -173,7 +173,7 @@ def _kind_of_unit(unit: str) -> str:
 
 
 def name_joints(roles: Sequence[Role]) -> list[Role]:
-    """Joint names made short: without the words that all columns of a kind share, or that say nothing."""
+    """Return short joint names, without words that all columns of a kind share, or that mean nothing."""
     out = list(roles)
     groups: dict[tuple[str, str], list[int]] = {}
     for i, role in enumerate(roles):

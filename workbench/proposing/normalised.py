@@ -1,4 +1,4 @@
-"""Positions as parts of a joint's range: some robots log -100 to 100, which no numbers tell from degrees."""
+"""Positions as shares of a joint's range: some robots log -100 to 100, which numbers alone do not show."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LEAST = 7.0  # below, such numbers are radians
 
 
 def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequence[str]) -> None:
-    """Ask where degrees may be parts of a range: data sets of LeRobot hold these unless told otherwise.
+    """Ask whether degrees may be shares of a range, which LeRobot data sets contain by default.
 
     Args:
         draft: takes the question.

@@ -1,4 +1,4 @@
-"""What a proposal is made of: what was assumed and how sure, what could not be told, what the user said."""
+"""Parts of a proposal: assumptions with confidence, open questions, and answers of the user."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class Assumption:
-    """One line of the table that says what was taken for what.
+    """One line of the table of assumptions.
 
     Attributes:
         what: the thing, e.g. ``unit of position``.
@@ -32,7 +32,7 @@ class Assumption:
 
     @property
     def word(self) -> str:
-        """``stated``, ``sure``, ``likely``, ``a guess``, or nothing where nothing is known."""
+        """Return ``stated``, ``sure``, ``likely``, ``a guess``, or nothing if nothing is known."""
         if self.value == UNKNOWN:
             return ""
         if self.sure >= 1.0 and self.because == "you said so":
@@ -42,7 +42,7 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Question:
-    """What the file does not say.
+    """A question that the file does not answer.
 
     Attributes:
         key: ``unit.KIND``, ``unit`` (its answers are ``KIND=UNIT``), ``column.SIGNAL``, ``constant`` (of the
@@ -62,7 +62,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Answers:
-    """What the user says; the rest is found or asked.
+    """Answers of the user; the rest is found or asked.
 
     Attributes:
         axes: names of the axes, in order.
@@ -101,16 +101,16 @@ class Answers:
     weighed: Mapping[str, str] = field(default_factory=dict)
 
     def because(self, kind: str) -> str:
-        """Why a unit that is not the data's own guess is as it is."""
+        """Return the reason of a unit that was not found from the data."""
         return self.weighed.get(kind, "you said so")
 
     def with_guess(self, question: Question) -> Answers:
-        """These answers and the likeliest one to a question, as a guess."""
+        """Return these answers and the most likely one to a question, as a guess."""
         taken = self.with_answer(question.key, question.best)
         return replace(taken, guessed=taken.guessed | {question.key})
 
     def with_answer(self, key: str, value: str) -> Answers:
-        """These answers and one more; the key is a question's.
+        """Return these answers and one more; the key is that of a question.
 
         Raises:
             ValueError: it can be no answer to that question.
@@ -145,7 +145,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Proposal:
-    """A recording's description, and how it came about.
+    """The description of a recording, and how it was found.
 
     Attributes:
         description: the TOML's content; ``table`` is still missing.
@@ -163,7 +163,7 @@ class Proposal:
 
 
 def listed(value: str) -> tuple[str, ...]:
-    """The parts of a text with commas."""
+    """Return the comma-separated parts of a text."""
     return tuple(part.strip() for part in value.split(",") if part.strip())
 
 

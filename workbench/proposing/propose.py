@@ -1,4 +1,4 @@
-"""From a file's columns to a recording's description, with what was assumed and what has to be asked."""
+"""From the columns of a file to the description of a recording, with assumptions and questions."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ UNITS |= {"current": "A", "voltage": "V", "temperature": "degC"}
 
 
 def propose(table: Table, answers: Answers | None = None) -> Proposal:
-    """What the table seems to hold.
+    """Return the proposal for a table.
 
     Args:
         table: the columns.

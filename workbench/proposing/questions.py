@@ -1,4 +1,4 @@
-"""Questions about a table, asked until none is left open."""
+"""Asks questions about a table until none is open."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Ask = Callable[[Proposal, Sequence[Question], Answers], Answers]
 def told(
     table: Table, answers: Answers, ask: Ask, *, model: Model | None = None, likeliest: bool = False
 ) -> tuple[Proposal, Answers]:
-    """The proposal for a table when its questions are answered, and the answers.
+    """Return the proposal for a table with all questions answered, and the answers.
 
     Args:
         table: the columns.

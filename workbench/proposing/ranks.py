@@ -1,4 +1,4 @@
-"""Columns without names that stand in ranks: all positions, then all speeds, in one order of joints."""
+"""Unnamed columns in groups: all positions, then all speeds, in the same order of joints."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ _CLEARER = 0.5  # of what the next best pair lacks
 def in_rank(
     pairs: Mapping[str, str], names: Sequence[str], likeness: Mapping[tuple[str, str], float]
 ) -> dict[str, str]:
-    """Position -> speed of the neighbours of pairs that are sure, less alike but as far from each other.
+    """Return position -> speed for neighbours of certain pairs, which are less similar but at the same
+    distance.
 
     Args:
         pairs: position -> speed, as found by the numbers alone.

@@ -1,4 +1,4 @@
-"""Columns that were asked for: references and commands, by what positions do with them."""
+"""Columns of commands: references and torque commands, found from how positions follow them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SIZE = 10.0  # times as large as these it may be, or as small
 
 
 def hold_references(out: Signals, data: dict[str, np.ndarray]) -> None:
-    """References of which none moves are some, only where positions are held at them."""
+    """Accept constant references only where positions are held at them."""
     asked, seen = out.columns.get("position_reference", {}), out.columns.get("position", {})
     if any(moves(data[column]) for column in asked.values()):
         return
@@ -26,7 +26,7 @@ def hold_references(out: Signals, data: dict[str, np.ndarray]) -> None:
 
 
 def speeds_that_are_references(out: Signals, data: dict[str, np.ndarray]) -> None:
-    """``qd`` is a speed to some and a desired position to others; the numbers tell."""
+    """Decide from the numbers whether ``qd`` is a speed or a desired position."""
     positions, velocities = out.columns.get("position", {}), out.columns.get("velocity", {})
     wrong = []
     for joint, column in velocities.items():
@@ -43,7 +43,7 @@ def speeds_that_are_references(out: Signals, data: dict[str, np.ndarray]) -> Non
 
 
 def settle_commands(out: Signals, data: dict[str, np.ndarray]) -> None:
-    """A command of what? Of position where it runs along it, else of torque."""
+    """Decide what a command is: a position if it runs along it, otherwise a torque."""
     commands = out.columns.pop("command", {})
     positions = out.columns.get("position", {})
     order = list(positions)
@@ -60,7 +60,7 @@ def settle_commands(out: Signals, data: dict[str, np.ndarray]) -> None:
 
 
 def unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
-    """Columns without a meaning that a position follows, one per joint."""
+    """Return columns without a meaning that a position follows, one per joint."""
     free = [n for n in data if n not in out.used() and not roles[n].kind]
     by_name = {roles[n].joint: n for n in free if roles[n].role == "reference"}
     positions = out.columns.get("position", {})

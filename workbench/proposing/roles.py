@@ -1,4 +1,4 @@
-"""Columns whose names say who they are of and whether they were asked for, but not which quantity."""
+"""Columns whose names state the joint and whether they are commands, but not the quantity."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _DRIVE = ("drive", "drv", "servo", "amplifier", "out", "output")
 
 
 def pairs(data: dict[str, np.ndarray], roles: dict[str, Role]) -> dict[str, tuple[str, str]]:
-    """Joint -> position and its reference, as ``A1 act`` and ``A1 set``, where most follow theirs.
+    """Return joint -> position and its reference, as ``A1 act`` and ``A1 set``, if most follow theirs.
 
     Args:
         data: column -> finite values (N,).
@@ -38,18 +38,18 @@ def pairs(data: dict[str, np.ndarray], roles: dict[str, Role]) -> dict[str, tupl
 
 
 def is_reference(asked: np.ndarray, seen: np.ndarray) -> bool:
-    """Whether a column may be what a position is asked to be; both shape (N,), finite."""
+    """Return whether a column may be the reference of a position; both shape (N,), finite."""
     relation = follows(asked, seen)
     return relation.likeness > _ALIKE and 0.5 < relation.factor < 2.0 and relation.lag >= 0
 
 
 def is_held_reference(asked: np.ndarray, seen: np.ndarray) -> bool:
-    """Whether a column that never changes may be what a position is held at; both shape (N,), finite."""
+    """Return whether a constant column may be the reference at which a position is held."""
     return bool(abs(asked[0] - seen.mean()) <= np.ptp(seen) + 0.05 * abs(asked[0]))
 
 
 def drives(free: list[str], roles: dict[str, Role], joints: list[str]) -> Iterator[tuple[str, str, str]]:
-    """Signal, joint and column of what drives gave or were asked for; ``torque`` where names leave it open.
+    """Return signal, joint and column of drive torques or commands; ``torque`` if names do not say which.
 
     Args:
         free: columns without a meaning.

@@ -1,4 +1,4 @@
-"""Which rows of a table are of the axes: log viewers write one table of many topics, each on its own rows."""
+"""Rows of the axes in a table: log viewers write many topics into one table, each on its own rows."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _DROPOUTS = 0.2  # of the rows lack a position: more are no faults of a sensor, 
 
 
 def on_rows_of_axes(table: Table, roles: Mapping[str, Role], time: str, answers: Answers) -> Table:
-    """The table on the rows that have a position; what stands on other rows is brought onto these.
+    """Return the table on the rows that have a position; values on other rows are transferred to these.
 
     Args:
         table: the columns.

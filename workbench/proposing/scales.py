@@ -1,4 +1,6 @@
-"""Units of time, position and velocity together: the derivative ties them, names and sizes do the rest."""
+"""Units of time, position and velocity together: the derivative connects them; names and sizes do the
+rest.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ _FLOOR = 1e-6  # weight of a reading that the factor contradicts
 
 @dataclass(frozen=True)
 class Told:
-    """A unit and how sure it is."""
+    """A unit and its confidence."""
 
     unit: str
     sure: float
@@ -25,7 +27,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Motion:
-    """Axes of one unit, and what that unit may be.
+    """Axes with one unit, and its candidates.
 
     Attributes:
         position, velocity: unit -> weight by statement or size; velocity is empty where there is none.
@@ -40,7 +42,7 @@ class Motion:
 
 
 def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, list[dict[str, Told]]] | None:
-    """The likeliest units: of the one clock, and of each group of axes.
+    """Return the most likely units: of the clock, and of each group of axes.
 
     Args:
         time: unit -> weight by name and size.
@@ -72,7 +74,7 @@ def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, l
 
 
 def expected(time: str, position: str, velocity: str) -> float:
-    """Velocity over the derivative of position that these units make."""
+    """Return velocity divided by derivative of position in these units."""
     return scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity"))
 
 

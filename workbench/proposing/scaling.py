@@ -1,4 +1,4 @@
-"""Factors on columns: what counts the other way, in counts, or in another unit than its axis."""
+"""Factors of columns: for opposite signs, counts, or a unit that differs from that of the axis."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def settle_scales(
     units: Mapping[str, Sequence[str]],
     relations: list[Relation],
 ) -> dict[str, list[float]]:
-    """Signal -> a factor an axis, where one is not 1.
+    """Return signal -> one factor per axis, where one is not 1.
 
     Args:
         draft: takes what is assumed and noted.

@@ -1,4 +1,4 @@
-"""Units: what is sure is noted as an assumption, what is not becomes a question."""
+"""Units: certain ones become assumptions, others become questions."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ def settle_units(
     relations: list[Relation],
     wraps: Mapping[str, float] | None = None,
 ) -> dict[str, tuple[str, ...]]:
-    """Kind -> unit of each axis (of time: one), by names, joints, sizes, and velocity against position.
+    """Return kind -> unit of each axis (of time: one), by names, joints, sizes, and velocity against
+    position.
 
     Args:
         draft: takes what is assumed, asked and noted.

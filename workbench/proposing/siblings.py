@@ -1,4 +1,4 @@
-"""What columns beside a column say of it: a joint that was held, a position that is no joint's."""
+"""What other columns show about a column: a joint that was held, a position that belongs to no joint."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from .names import Role
 
 
 def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Role]) -> set[str]:
-    """Columns that never change and still are a joint's: others of the same words, of other joints, do.
+    """Return constant columns that belong to a joint, because columns with the same words belong to other
+    joints.
 
     An axis that was held while another one was moved has such columns, with an encoder of coarse steps.
 
@@ -22,7 +23,7 @@ def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Ro
 
 
 def without_joint(joints: Sequence[str], others: Collection[str]) -> list[str]:
-    """Numbered positions of which nothing else was logged, where other positions have a velocity or a torque.
+    """Return numbered positions without other signals, if other positions have a velocity or torque.
 
     Those of a tool, ``ee_pos[0]`` beside ``q[0]`` and ``tau[0]``, are numbered as joints are.
 

@@ -1,4 +1,4 @@
-"""Which columns are which signal of which joint."""
+"""Which column is which signal of which joint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Signed counts that were written as unsigned ones: what is a little below nothing stands near the top."""
+"""Signed counts that were written as unsigned: values slightly below zero appear near the top."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FEWEST = 3  # different numbers near the top: one alone is a mark for what was 
 
 
 def signed_counts(table: Table) -> Table:
-    """The table with its whole numbers of 16 or 32 bits signed, where they jump over nearly all of that.
+    """Return the table with its 16 or 32 bit integers as signed ones, if they jump over nearly this range.
 
     Numbers either side of zero leave the middle of the unsigned range empty, which no encoder that turns on
     does, and go both ways, which no counter does.

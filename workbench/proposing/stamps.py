@@ -1,4 +1,4 @@
-"""Clocks in pieces: seconds and their fraction in two columns, or a counter that begins anew."""
+"""Clocks in parts: seconds and their fraction in two columns, or a counter that overflows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PERIODS = (2.0**16, 2.0**32, 1e6, 1e9)
 
 
 def whole_clocks(table: Table) -> Table:
-    """The table with one column in the place of two that are a clock, and with counters that go on.
+    """Return the table with one column instead of two that are a clock, and with counters continued.
 
     Without a header, numbers tell: the fraction falls where the seconds rise.
     """

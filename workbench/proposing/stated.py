@@ -1,4 +1,4 @@
-"""What is stated of units, axis by axis: by the user, by the header, by the model's joints."""
+"""Stated units, axis by axis: by the user, the header, or the joints of the model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EXAMPLES = {"position": ("deg", "mm"), "velocity": ("deg/s", "mm/s"), "torque": 
 
 @dataclass(frozen=True)
 class Stated:
-    """What is known of units before numbers are looked at; one entry per axis.
+    """Units that are known before the numbers are used; one entry per axis.
 
     Attributes:
         linear: whether the axis moves along a line.
@@ -35,18 +35,19 @@ class Stated:
 
 
 def signals_of(kind: str, columns: dict[str, list[str]]) -> list[str]:
-    """The signals of a kind that there are, what was measured of a motion first."""
+    """Return the existing signals of a kind, measured motion first."""
     return [s for s, k in AXIS_SIGNALS.items() if k == kind and s in columns]
 
 
 def header_unit(draft: Draft, column: str, kind: str) -> str:
-    """The unit in a column's name, ``""`` where there is none of this kind."""
+    """Return the unit in the name of a column; ``""`` if there is none of this kind."""
     unit = draft.roles[column].unit
     return pint_unit(unit, kind) if unit else ""
 
 
 def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str]) -> Stated:
-    """Units by what the user says, else by each axis' headers, else by the headers of axes that move alike.
+    """Return units by the user's answers, else by the header of each axis, else by headers of similar
+    axes.
 
     Raises:
         InputError: another number of units than axes, or one unit for axes of which it can be no unit.
@@ -78,7 +79,7 @@ def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str
 
 
 def of_currents(draft: Draft, columns: dict[str, list[str]], said: list[str]) -> list[str]:
-    """Torque units of columns that are currents: constants are N m per A, whatever a column's own unit is."""
+    """Return torque units of current columns: constants are N m per A, whatever the unit of the column."""
     signal = next(iter(signals_of("torque", columns)), "")
     out = list(said) * (len(columns[signal]) if signal and len(said) == 1 else 1)
     for i, unit in enumerate(out if signal else ()):

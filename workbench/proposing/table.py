@@ -1,4 +1,4 @@
-"""What a file holds before anybody says what it means: columns with names, perhaps units, perhaps a clock."""
+"""Content of a file before its meaning is known: columns with names, perhaps units, perhaps a clock."""
 
 from __future__ import annotations
 

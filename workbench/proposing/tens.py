@@ -1,4 +1,4 @@
-"""Factors of ten: velocity, position or the clock is off, and only something else can tell which."""
+"""Factors of ten: velocity, position or clock is wrong, and only other information shows which."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .proposal import Question
 
 
 def ask_tens(draft: Draft, units: Mapping[str, Sequence[str]], *, timed: bool) -> None:
-    """Ask where a velocity is taken for ten, a hundred ... times what it should be.
+    """Ask if a velocity is ten, a hundred ... times what it should be.
 
     Args:
         draft: takes the question.

@@ -1,4 +1,4 @@
-"""Currents that stand for torques: they need the torque constant of each drive, which no log tells."""
+"""Currents instead of torques: they need the torque constant of each drive, which no log contains."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .units import pint_unit
 
 
 def ask_constant(draft: Draft, columns: dict[str, list[str]]) -> None:
-    """Ask for the torque constants where columns of a torque are currents by their names or units."""
+    """Ask for the torque constants if torque columns are currents by their names or units."""
     if "torque" in draft.answers.units:
         return
     named = {name for signal in signals_of("torque", columns) for name in columns[signal]}

@@ -1,4 +1,4 @@
-"""Columns that are torques: measured, or asked for by a command."""
+"""Columns of torques: measured or commanded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from .roles import drives
 
 
 def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
-    """A torque without a role: measured, unless it is the smooth one of two or is held like a command."""
+    """Decide the role of a torque: measured, unless it is the smoother one of two or is held like a
+    command.
+    """
     plain = out.columns.pop("torque", {})
     because = out.because.pop("torque", "its name")
     out.sure.pop("torque", None)
@@ -38,7 +40,7 @@ def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
 
 
 def take_drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
-    """What drives gave or were asked for, where nothing else is a torque."""
+    """Use torques of drives, or their commands, if nothing else is a torque."""
     if any(signal.startswith("torque") for signal in out.columns):
         return
     free = [n for n in data if n not in out.used()]

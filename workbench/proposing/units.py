@@ -1,4 +1,4 @@
-"""Units as people write them in headers, and what the size of numbers says where nobody wrote any."""
+"""Units as people write them in headers, and what the size of numbers says without a unit."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
 
 @lru_cache(maxsize=1024)
 def pint_unit(text: str, kind: str) -> str:
-    """The unit as pint writes it, ``""`` where `text` is no unit of this kind."""
+    """Return the unit as pint writes it; ``""`` if `text` is no unit of this kind."""
     number, star, plain = text.partition("*")
     if star and _is_number(number):
         unit = pint_unit(plain.strip(), kind)
@@ -69,7 +69,7 @@ def pint_unit(text: str, kind: str) -> str:
 
 
 def times(factor: float, unit: str) -> str:
-    """A unit with a number before it, times another number."""
+    """Return a unit with a factor, multiplied by another number."""
     number, _, plain = unit.partition("*")
     return f"{factor * float(number):.9g}*{plain}"
 
@@ -82,7 +82,9 @@ def _is_number(text: str) -> bool:
 
 
 def spelled(text: str, kind: str) -> bool:
-    """Whether `text` is a unit of this kind as names end with one: a foot or a link is a joint there."""
+    """Return whether `text` is a unit of this kind at the end of a name; a foot or a link is a joint
+    there.
+    """
     return bool(_spelling(text, kind))
 
 
@@ -93,12 +95,12 @@ def _spelling(text: str, kind: str) -> str:
 
 
 def fits(text: str, kind: str) -> bool:
-    """Whether `text` is a unit of this kind."""
+    """Return whether `text` is a unit of this kind."""
     return bool(pint_unit(text, kind))
 
 
 def known_unit(text: str) -> bool:
-    """Whether `text` is a unit of any kind."""
+    """Return whether `text` is a unit of any kind."""
     return any(pint_unit(text, kind) for kind in KINDS)
 
 
@@ -113,24 +115,24 @@ def _is_of(unit: str, kind: str) -> bool:
 
 
 def scale(unit: str, kind: str) -> float:
-    """SI per unit."""
+    """Return the SI value of the unit."""
     return to_si(unit, kind)[0]
 
 
 def is_linear(unit: str, kind: str) -> bool:
-    """Whether the unit belongs to an axis that moves along a line."""
+    """Return whether the unit belongs to an axis that moves along a line."""
     return to_si(unit, kind)[2] in ("m", "m/s", "N")
 
 
 def equations(words: Collection[str]) -> bool:
-    """Whether a name is that of equations, which are written in radians; drives count turns too."""
+    """Return whether a name is that of a variable in equations, which use radians; drives use turns too."""
     return not {"q", "dq", "qd", "qdot", "dqdot", "qpos", "qvel", "theta", "omega", "phi"}.isdisjoint(words)
 
 
 def by_size(
     kind: str, values: np.ndarray, linear: bool, *, symbols: bool = False, tied: bool = False
 ) -> dict[str, float]:
-    """Weights of the units that numbers of this size may have.
+    """Return weights of the units that numbers of this size may have.
 
     Args:
         kind: ``position``, ``velocity`` or ``torque``.
@@ -177,7 +179,7 @@ def by_size(
 
 
 def by_step(step: float, start: float, rows: int) -> dict[str, float]:
-    """Weights of the units of a clock, from its typical increment and its first stamp.
+    """Return weights of the units of a clock, from its typical increment and its first stamp.
 
     Robots are logged at 10 Hz to 10 kHz, and a stamp near now, counted since 1970, tells its unit by itself.
     """

@@ -1,4 +1,4 @@
-"""The rows of a table that a recording is made of: of one run, and never a small part without a word."""
+"""Rows of a table for a recording: those of one run, and never only a small part without a message."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .proposal import Question
 
 
 def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -> Clean:
-    """Rows in order, of one run, with what was not measured marked.
+    """Return rows in order, of one run, with gaps marked.
 
     Args:
         draft: takes what is noted and asked.
@@ -51,7 +51,7 @@ def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -
 
 
 def valid_column(draft: Draft) -> str:
-    """The column of zeros and ones that says which rows were measured; ``""`` where there is none.
+    """Return the column of zeros and ones that says which rows were measured; ``""`` if there is none.
 
     Raises:
         InputError: the user names one that is not such.

@@ -13,7 +13,7 @@ from .proposal import Question
 
 
 def derivatives(rows: Clean, columns: dict[str, list[str]]) -> list[Relation]:
-    """Of each axis's position to its velocity; none where no velocity was logged."""
+    """Return the match of each axis' position and velocity; none if no velocity was logged."""
     if "velocity" not in columns:
         return []
     return [derivative(*_pair(rows, columns, i)) for i in range(len(columns["position"]))]
@@ -22,7 +22,7 @@ def derivatives(rows: Clean, columns: dict[str, list[str]]) -> list[Relation]:
 def uncross(
     draft: Draft, rows: Clean, columns: dict[str, list[str]], axes: Sequence[str]
 ) -> dict[str, list[str]]:
-    """The columns, velocities of another axis's position put where they belong, or asked about."""
+    """Return the columns with swapped velocities corrected or asked about."""
     if len(axes) < 2 or "velocity" in draft.answers.columns or "velocity" not in columns:
         return columns
     n = len(axes)

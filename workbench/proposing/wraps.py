@@ -1,4 +1,4 @@
-"""Positions of encoders that wrap, made whole to look at their motion; the range tells the unit."""
+"""Positions of encoders that wrap, unwrapped to see their motion; the range shows the unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _UNITS = {
 
 
 def whole_positions(rows: Clean, positions: Sequence[str]) -> tuple[Clean, Mapping[str, float]]:
-    """Rows with positions made whole, and column -> range of those that wrapped.
+    """Return rows with unwrapped positions, and column -> range of those that wrapped.
 
     The reader makes them whole in the file itself, and says so.
     """
@@ -36,5 +36,5 @@ def whole_positions(rows: Clean, positions: Sequence[str]) -> tuple[Clean, Mappi
 
 
 def unit_of_range(size: float) -> str:
-    """The unit in which an encoder has a range of this size, ``""`` where none is known to."""
+    """Return the unit in which an encoder has a range of this size; ``""`` if none is known."""
     return next((unit for unit, ranges in _UNITS.items() if size in ranges), "")

@@ -1,4 +1,4 @@
-"""A proposal tried, completed by what only the read recording tells, and written."""
+"""Tests a proposal, completes it from the recording, and writes it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .table import Table
 
 
 def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Proposal, Recording]:
-    """The proposal with controller and start filled in, and the recording as it will be read.
+    """Return the proposal with controller and start filled in, and the recording as it will be read.
 
     Raises:
         InputError: the recording reader refuses it, in the reader's own words.
@@ -67,7 +67,7 @@ def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Propos
 
 
 def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False) -> list[Path]:
-    """Write the TOML, and beside it a table where the file is no plain one.
+    """Write the TOML file, and a table beside it if the file is no plain one.
 
     Returns:
         The files written.

@@ -1,4 +1,4 @@
-"""The sentence that answers: which numbers of a model are wrong, what is missing, what was improved."""
+"""The sentence that answers: wrong numbers of a model, missing effects, or what was improved."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _FEW = 3  # numbers or names that are told one by one
 
 
 def diagnosis_sentence(result: Diagnosis) -> str:
-    """What a diagnosis says, in one sentence."""
+    """Return the result of a diagnosis as one sentence."""
     if result.verdict == "consistent":
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
@@ -50,7 +50,7 @@ def _nothing(result: Diagnosis | None) -> str:
 
 
 def partly_sentence(result: Diagnosis) -> str:
-    """How much stays unknown beside effects that are certain, with a space before it."""
+    """Return how much error stays unexplained beside certain effects, with a space before it."""
     rest = percent(result.unexplained_fraction)
     return (
         f" This is certain, but it is not the whole cause: {rest} of the squared error above the noise has "
@@ -59,7 +59,7 @@ def partly_sentence(result: Diagnosis) -> str:
 
 
 def improvement_sentence(result: Improvement) -> str:
-    """What an improvement came to, in one sentence."""
+    """Return the result of an improvement as one sentence."""
     fall = f"the error falls from {number(result.error_before)} to {number(result.error_after)}"
     if not result.steps:
         if result.verdict == "consistent":
@@ -94,7 +94,7 @@ def _gains(findings: Sequence[Finding]) -> str:
 
 
 def corrects(finding: Finding) -> bool:
-    """Whether it says that a number of the model is wrong, rather than that an effect is missing."""
+    """Return whether a finding corrects a number of the model, instead of adding a missing effect."""
     return bool(finding.model_value if finding.model_value is not None else finding.number)
 
 

@@ -1,4 +1,6 @@
-"""The page of ``workbench check``: every quantity, the variants' masses, the explicit variant's stability."""
+"""The page of ``workbench check``: every quantity, the inertia of the variants, stability of explicit
+injection.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ from workbench.core import Verification
 from workbench.core.picture import Picture
 
 from .numbers import number, unit_text
+from .response import words_of
 from .sheet import Curve, Drawing, Panel, Row, Section, Sheet
 from .sheet_table import SheetTable
 from .style import AFTER, FLOOR
@@ -17,7 +20,7 @@ from .verification import sentence
 
 
 def verification_sheet(result: Verification) -> Sheet:
-    """What checking a model found."""
+    """Return the page of a verification."""
     broken = [c for c in result.checks if not c.passed]
     closest = max(
         result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None
@@ -70,7 +73,7 @@ def _checks(result: Verification) -> Section:
         for c in result.checks
     )
     table = SheetTable(
-        "Largest difference between the engines and forms named, and the largest that counts as agreement",
+        "Largest difference between what the last column names, and the largest that is allowed",
         ("Quantity", "Result", ">Difference", ">Allowed", "Unit", "Between"),
         rows,
     )
@@ -81,7 +84,7 @@ def _checks(result: Verification) -> Section:
 def _masses(result: Verification) -> tuple[Section, ...]:
     if not result.variants:
         return ()
-    rows = tuple((name, *(f"{v:.5f}" for v in values)) for name, values in result.variants.items())
+    rows = tuple((words_of(name), *(f"{v:.5f}" for v in values)) for name, values in result.variants.items())
     header = ("Variant", ">M11 [kg m²]", ">M12 [kg m²]", ">M22 [kg m²]")
     table = SheetTable("Mass matrix at alpha = 90°, serial coordinates", header, rows)
     return (Section("variants", "Inertia of the variants", tables=(table,)),)
@@ -93,7 +96,7 @@ def _radius(result: Verification) -> tuple[Section, ...]:
     alpha = np.asarray(result.alpha_deg, float)
     panel = Panel(
         "Spectral radius over posture",
-        "alpha [deg]",
+        "angle between the links, alpha [deg]",
         (
             Row(
                 "spectral radius",
@@ -107,10 +110,11 @@ def _radius(result: Verification) -> tuple[Section, ...]:
         log=False,
     )
     text = (
-        "Where the coupling is fed back as a torque from the last step's acceleration, the error of that "
-        "acceleration is multiplied by this number at every step: at one and above it grows."
+        "The paper adds the coupling as a torque that is computed from the acceleration of the last step. In "
+        "every step the error of this acceleration is multiplied by the spectral radius: below 1 it "
+        "decreases, otherwise it grows."
     )
-    drawing = Drawing((panel,), "Explicit injection over the angle between the links.")
+    drawing = Drawing((panel,), "Spectral radius of explicit injection over the angle between the links.")
     return (Section("explicit", "Explicit injection", (text,), drawings=(drawing,)),)
 
 
@@ -127,7 +131,11 @@ def _stated(result: Verification) -> tuple[Section, ...]:
         f"{about} {number(v)} {unit_text(unit)}".rstrip() + "." for v, unit, about in result.facts.values()
     ]
     lines += [f"Not checked: {line}" for line in result.not_checked]
-    return (Section("stated", "Stated, not checked", remarks=tuple(lines)),) if lines else ()
+    return (
+        (Section("stated", "Differences that are stated, not checked", remarks=tuple(lines)),)
+        if lines
+        else ()
+    )
 
 
 def _figure(result: Verification) -> Figure:

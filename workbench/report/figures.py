@@ -39,7 +39,8 @@ def overlay_figure(
     after: Comparison | None = None,
     window: tuple[float, float] | None = None,
 ) -> Figure:
-    """Measured over simulated against time, and the residual with twice the noise on either side.
+    """Return a figure: measured over simulated against time, and the residual with a band of twice the
+    noise.
 
     Args:
         comparison: the model as given.
@@ -89,7 +90,7 @@ def overlay_figure(
 
 
 def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
-    """Residual against speed and against position: median of each bin, with its quartiles as a band."""
+    """Return a figure: residual against speed and position; median of each bin, quartiles as a band."""
     quantities: tuple[tuple[Literal["speed", "position"], str], ...] = (("speed", "/s"), ("position", ""))
     with house_style():
         shown = _compared(comparison, axis)
@@ -114,7 +115,7 @@ def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | No
 
 
 def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
-    """Spectrum of the residual beside the noise floor's, taken to be white."""
+    """Return a figure: spectrum of the residual, and of the noise floor as white noise."""
     with house_style():
         shown = _compared(comparison, axis)
         figure, axes = _grid(1, len(shown), (7.2, 2.9))
@@ -133,7 +134,7 @@ def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | No
 
 
 def ladder_figure(result: Result) -> Figure:
-    """The error falling step by step beside the noise floor, on a log axis."""
+    """Return a figure: the error of every step and the noise floor, on a log axis."""
     steps = rungs(result)
     floor = result.noise_error
     held_floor = None if isinstance(result, Comparison) else result.holdout_noise_error

@@ -15,7 +15,9 @@ from .layout import table, text
 
 
 def gait_table(result: Gait) -> Group:
-    """A line a measure: both recordings, the gap, and what the hardware's second run leaves."""
+    """Return a table with one line per measure: both recordings, the gap, and that of the second
+    hardware run.
+    """
     floor = [("hardware again", "right")] if result.again else []
     shown = table("measure", ("gap (95 %)", "right"), *floor)
     for m in result.measures:
@@ -29,7 +31,7 @@ def gait_table(result: Gait) -> Group:
 
 
 def gait_dict(result: Gait, not_predicted: str | None = None) -> dict[str, Any]:
-    """The JSON of ``workbench compare --gait``.
+    """Return the JSON of ``workbench compare --gait``.
 
     Args:
         result: the measures.

@@ -30,7 +30,7 @@ Truth = Sequence[Mapping[str, Any]]
 
 
 def comparison_dict(result: Comparison) -> dict[str, Any]:
-    """The JSON of ``workbench compare``."""
+    """Return the JSON of ``workbench compare``."""
     inverse = result.inverse_dynamics
     return clean(
         {
@@ -56,7 +56,7 @@ def comparison_dict(result: Comparison) -> dict[str, Any]:
 
 
 def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
-    """The JSON of ``workbench diagnose``."""
+    """Return the JSON of ``workbench diagnose``."""
     return clean(
         {
             "format": FORMAT,
@@ -89,7 +89,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
 
 
 def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[str, Any]:
-    """The JSON of ``workbench improve``; with `truth`, of ``workbench demo``.
+    """Return the JSON of ``workbench improve``; with `truth`, of ``workbench demo``.
 
     Args:
         result: the way from a model to a better one.
@@ -128,7 +128,7 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
 
 
 def verification_dict(result: Verification) -> dict[str, Any]:
-    """The JSON of ``workbench check``."""
+    """Return the JSON of ``workbench check``."""
     return clean(
         {
             "format": FORMAT,
@@ -158,12 +158,12 @@ def verification_dict(result: Verification) -> dict[str, Any]:
 
 
 def dumps(obj: Mapping[str, Any]) -> str:
-    """`obj` as JSON text: two spaces of indent, NaN and infinity as null, a newline at the end."""
+    """Return `obj` as JSON text: two spaces of indent, NaN and infinity as null, a newline at the end."""
     return json.dumps(clean(obj), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def write_json(obj: Mapping[str, Any], path: str | Path, *, force: bool = False) -> None:
-    """Write `obj` to a file, whole or not at all, or to standard output where `path` is ``"-"``.
+    """Write `obj` to a file, complete or not at all, or to standard output if `path` is ``"-"``.
 
     Raises:
         InputError: the file exists and `force` is false, or it cannot be written.

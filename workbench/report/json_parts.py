@@ -1,4 +1,4 @@
-"""Pieces that the JSON of several results has."""
+"""Parts that the JSON of several results contains."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from workbench.core import EffectKey, Estimate, Share
 
 
 def key_dict(key: EffectKey) -> dict[str, Any]:
-    """Which effect, and where."""
+    """Return an effect and its place."""
     copy = {"copy": key.copy} if key.copy > 1 else {}
     site = {"site": key.site} if key.site else {}
     return {"effect": key.effect, "axis": key.axis, "location": key.location, **copy, **site}
 
 
 def effect_dict(key: EffectKey, parameters: Mapping[str, Estimate]) -> dict[str, Any]:
-    """An effect, where, and its parameters."""
+    """Return an effect, its place and its parameters."""
     return {**key_dict(key), "parameters": parameter_dicts(parameters)}
 
 
 def key_dicts(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
-    """Several of them."""
+    """Return several effects and their places."""
     return [key_dict(k) for k in keys]
 
 
 def parameter_dicts(parameters: Mapping[str, Estimate]) -> dict[str, Any]:
-    """Parameters by name, with deviation and unit."""
+    """Return parameters by name, with standard deviation and unit."""
     return {name: {"value": e.value, "std": e.std, "unit": e.unit} for name, e in parameters.items()}
 
 
 def share_dicts(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    """Where error sits."""
+    """Return where the error is."""
     return [
         {
             "axis": s.axis,
@@ -50,7 +50,7 @@ def share_dicts(shares: Iterable[Share]) -> list[dict[str, Any]]:
 
 
 def clean(value: Any) -> Any:
-    """The same in plain Python types, NaN and infinities as None."""
+    """Return the same value in plain Python types, NaN and infinities as None."""
     if isinstance(value, Mapping):
         return {str(k): clean(v) for k, v in value.items()}
     if isinstance(value, Estimate):

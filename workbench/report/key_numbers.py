@@ -1,4 +1,4 @@
-"""The few numbers of a result that matter, as its page shows them first."""
+"""The few most important numbers of a result, as its page shows them first."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .numbers import number, percent
 
 
 def key_numbers(result: Result) -> list[tuple[str, str, str]]:
-    """Label, number and remark of the few numbers that matter."""
+    """Return label, number and remark of the most important numbers."""
     if isinstance(result, Comparison):
         spread = result.noise_error_std
         note = f"± {number(2 * spread, 2)} from run to run" if spread > 0 else "what a perfect model scores"

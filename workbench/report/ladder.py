@@ -1,4 +1,4 @@
-"""The error falling step by step beside the noise floor: the rungs, and a log axis to draw them on."""
+"""The error of every step and the noise floor: the steps, and a log axis to draw them on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ GIVEN = "Model as given"
 
 @dataclass(frozen=True)
 class Rung:
-    """The errors with everything up to `label` in the model; `holdout` None where there is none."""
+    """The errors with all effects up to `label` in the model; `holdout` is None without held-out data."""
 
     label: str
     error: float
@@ -31,14 +31,14 @@ class LogAxis:
     ticks: tuple[float, ...]
 
     def place(self, value: float | None) -> float | None:
-        """Where `value` sits: 0 at `low`, 1 at `high`; None where there is no value."""
+        """Return the place of `value`: 0 at `low`, 1 at `high`; None without a value."""
         if value is None or not (math.isfinite(value) and value > 0):
             return None
         return math.log(value / self.low) / math.log(self.high / self.low)
 
 
 def rungs(result: Result) -> tuple[Rung, ...]:
-    """The model as given, then each effect added to what stands above it."""
+    """Return the model as given, then each effect added to those above it."""
     if isinstance(result, Comparison):
         return (Rung(GIVEN, result.error),)
     if isinstance(result, Diagnosis):
@@ -50,7 +50,7 @@ def rungs(result: Result) -> tuple[Rung, ...]:
 
 
 def log_axis(values: Iterable[float | None]) -> LogAxis:
-    """An axis with some air on both sides of `values`, and ticks at 1, 2 and 5 of each decade."""
+    """Return an axis with margins on both sides of `values`, and ticks at 1, 2 and 5 of each decade."""
     good = [v for v in values if v is not None and math.isfinite(v) and v > 0] or [1.0]
     low, high = min(good) / 1.35, max(good) * 1.35
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)

@@ -1,4 +1,4 @@
-"""How tables look in the terminal: readable at 80 columns, without colour, and in a log file."""
+"""Layout of tables in the terminal: readable at 80 columns, without colour, and in a log file."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ def print_table(renderable: RenderableType, console: Console | None = None) -> N
 
 
 class Screen(Console):
-    """A console on which whatever a stranger named is text: no markup, no control characters."""
+    """A console on which names from elsewhere are plain text: no markup, no control characters."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(markup=False, emoji=False, **options)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
-        """The segments of what is printed, made printable."""
+        """Return the printed segments, made printable."""
         for segment in super().render(renderable, options):
             if segment.control or segment.text.isprintable():
                 yield segment
@@ -35,7 +35,7 @@ class Screen(Console):
 
 
 def table(*columns: str | tuple[str, str]) -> Table:
-    """An empty table with these columns; a column may be ``(name, justify)``."""
+    """Return an empty table with these columns; a column may be ``(name, justify)``."""
     out = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
     for c in columns:
         name, justify = c if isinstance(c, tuple) else (c, "left")
@@ -44,10 +44,10 @@ def table(*columns: str | tuple[str, str]) -> Table:
 
 
 def text(content: str) -> Text:
-    """A string as it is: no markup, no control characters of strangers."""
+    """Return a string as plain text: no markup, no control characters."""
     return Text(plain(content) if content.strip() == content else content)
 
 
 def verdict(sentence: str, good: bool) -> Text:
-    """The sentence above a table; green where nothing is to be done."""
+    """Return the sentence above a table; green if nothing has to be done."""
     return Text(sentence, style="bold green" if good else "bold")

@@ -23,7 +23,7 @@ _Message = tuple[int, int, bytes]
 
 
 def check_mcap(path: str | Path) -> None:
-    """Refuse a file that cannot be written as MCAP, before any work is done for it.
+    """Refuse a file that cannot be written as MCAP, before the work starts.
 
     Raises:
         InputError: the package that writes it is missing.
@@ -32,7 +32,7 @@ def check_mcap(path: str | Path) -> None:
 
 
 def write_mcap(result: Result, path: str | Path, *, force: bool = False) -> Path:
-    """Write what was measured and simulated as one MCAP file, whole or not at all.
+    """Write measured and simulated signals as one MCAP file, complete or not at all.
 
     Each recording has the topics ``/NAME/measured``, ``/NAME/simulated`` and ``/NAME/residual`` (measured
     minus simulated), and where effects were found ``/NAME/simulated_with_effects`` and

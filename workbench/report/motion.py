@@ -1,4 +1,4 @@
-"""A page with a robot that moves, and the curves beside it; it needs no other file and no network."""
+"""A page with a moving robot and curves; it needs no other file and no network."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _POINTS = 600  # of a curve
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves over one axis.
+    """Curves over one horizontal axis.
 
     Attributes:
         title: with the unit.
@@ -41,7 +41,7 @@ def motion_page(
     title: str, lines: Sequence[str], time: np.ndarray, ends: np.ndarray, panels: Sequence[Panel],
     command: str, inputs: Sequence[str | Path],
 ) -> str:  # fmt: skip
-    """The page as HTML.
+    """Return the page as HTML.
 
     Args:
         title: what is shown.
@@ -70,7 +70,7 @@ def motion_page(
 
 
 def film(file: Path, time: np.ndarray, ends: np.ndarray, *, force: bool = False) -> None:
-    """The same motion as an mp4.
+    """Write the same motion as an mp4.
 
     Raises:
         InputError: ffmpeg is not installed, or the file exists.

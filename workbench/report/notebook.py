@@ -1,4 +1,4 @@
-"""Results and recordings as a notebook shows them."""
+"""Results and recordings in a notebook."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ _TRACES = (("position", "position"), ("torque_measured", "torque"))
 
 @singledispatch
 def summary(value: Any) -> Summary:
-    """A value in a few lines; strangers' strings are plain."""
+    """Return a value in a few lines, without control characters."""
     return Summary(type(value).__name__, "")
 
 
 @singledispatch
 def as_figure(value: Any, **options: Any) -> Figure:
-    """A picture of what matters most."""
+    """Return the most important picture of a value."""
     raise TypeError(f"there is no picture of a {type(value).__name__}")
 
 

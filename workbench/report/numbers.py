@@ -1,4 +1,4 @@
-"""Numbers as a person reads them: the digits that mean something, a unit of handy size, a 95 % interval."""
+"""Numbers for people: the significant digits, a unit of handy size, a 95 % interval."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MISSING = "–"
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """`value` to `digits` significant digits, with a true minus sign; a dash where there is none."""
+    """Return `value` with `digits` significant digits and a true minus sign; a dash without a value."""
     if value is None or not math.isfinite(value):
         return _MISSING
     if value == 0:
@@ -29,20 +29,20 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def short(value: float, digits: int = 3) -> str:
-    """`value` without trailing zeros, for the ends of ranges and ticks: ``"−0.5"``, ``"2"``."""
+    """Return `value` without trailing zeros, for the ends of ranges and ticks: ``"−0.5"``, ``"2"``."""
     text = number(value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "×" not in text else text
 
 
 def unbroken(text: str) -> str:
-    """`text` with spaces inside quantities that a line does not break at."""
+    """Return `text` with non-breaking spaces inside quantities."""
     for old, new in ((" ± ", "\u00a0±\u00a0"), (" %", "\u00a0%"), (" N m", "\u00a0N\u00a0m")):
         text = text.replace(old, new)
     return re.sub(r"(?<=\d) (?=[µm]?(?:rad|m|N|s|Hz)\b)", "\u00a0", text)
 
 
 def percent(share: float | None) -> str:
-    """A share of one in percent; never rounded up to certainty."""
+    """Return a share of one in percent; never rounded up to 100 %."""
     if share is None or not math.isfinite(share):
         return _MISSING
     if 0 < share < 0.005:
@@ -53,7 +53,7 @@ def percent(share: float | None) -> str:
 
 
 def interval(estimate: Estimate) -> str:
-    """The estimate with half its 95 % interval and unit, e.g. ``"0.254 ± 0.003 N m"``."""
+    """Return the estimate with half its 95 % interval and unit, e.g. ``"0.254 ± 0.003 N m"``."""
     value, half, unit = estimate.value, Z95 * estimate.std, unit_text(estimate.unit)
     tail = f" {unit}" if unit else ""
     if not (math.isfinite(half) and half > 0 and math.isfinite(value)):
@@ -74,7 +74,7 @@ def interval(estimate: Estimate) -> str:
 
 
 def handy(values: Iterable[float], unit: str) -> tuple[float, str]:
-    """A factor and a prefixed unit that put the largest of `values` near one.
+    """Return a factor and a prefixed unit that bring the largest of `values` near one.
 
     Args:
         values: magnitudes in `unit`; NaN is passed over.
@@ -90,7 +90,7 @@ def handy(values: Iterable[float], unit: str) -> tuple[float, str]:
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
-    """A number with a unit of handy size, e.g. ``"0.42 mrad"``."""
+    """Return a number with a unit of handy size, e.g. ``"0.42 mrad"``."""
     if not math.isfinite(value):
         return _MISSING
     factor, scaled = handy([value], unit)

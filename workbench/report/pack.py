@@ -1,4 +1,4 @@
-"""Everything the page's plots draw, small: curves as one compressed block, the rest as plain JSON values."""
+"""Data of all plots of a page, in a small form: curves as one compressed block, the rest as JSON values."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class _Block:
 
 
 def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any], str]:
-    """What the plots need.
+    """Return the data of the plots.
 
     Args:
         before: the model as given against its recordings.
@@ -96,7 +96,7 @@ def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any],
 def comparisons(
     result: Result,
 ) -> tuple[Comparison | None, Comparison | None]:
-    """The comparisons of a result: as the model was given, and with the effects that were found, if any."""
+    """Return the comparisons of a result: with the model as given, and with the found effects, if any."""
     if isinstance(result, Comparison):
         return result, None
     added = result.findings if isinstance(result, Diagnosis) else result.steps
@@ -104,7 +104,7 @@ def comparisons(
 
 
 def partner(after: Comparison | None, before: Comparison, index: int) -> RecordingError | None:
-    """The entry of `after` that simulates the same recording as entry `index` of `before`."""
+    """Return the entry of `after` for the same recording as entry `index` of `before`."""
     if after is None:
         return None
     name = before.recordings[index].recording.name
@@ -114,7 +114,7 @@ def partner(after: Comparison | None, before: Comparison, index: int) -> Recordi
 
 
 def worst_view(comparison: Comparison) -> tuple[int, str]:
-    """The recording with the largest error, and the axis in it that fails most: what to look at first."""
+    """Return the recording with the largest error, and its axis with the largest error."""
     entries = comparison.recordings
     index = int(np.argmax([np.nan_to_num(e.error) for e in entries]))
     shared = [a for a in comparison.axes if a in entries[index].recording.axes] or list(comparison.axes)

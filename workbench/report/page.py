@@ -33,7 +33,7 @@ def write_page(
     truth: Truth | None = None,
     force: bool = False,
 ) -> Path:
-    """Write `result` as one HTML page, whole or not at all.
+    """Write `result` as one HTML page, complete or not at all.
 
     Args:
         result: what to show.
@@ -60,7 +60,7 @@ def render_page(
     inputs: Sequence[str | Path] = (),
     truth: Truth | None = None,
 ) -> str:
-    """The page as HTML text; see `write_page`."""
+    """Return the page as HTML text; see `write_page`."""
     before, after = comparisons(result)
     values, curves, fallback = None, "", None
     parts = sections(result, before, after, truth)

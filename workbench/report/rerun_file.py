@@ -27,7 +27,7 @@ _COLOUR = {
 
 
 def check_rerun(path: str | Path) -> None:
-    """Refuse a file that cannot be written for Rerun, before any work is done for it.
+    """Refuse a file that cannot be written for Rerun, before the work starts.
 
     Raises:
         InputError: the package that writes it is missing.
@@ -36,7 +36,7 @@ def check_rerun(path: str | Path) -> None:
 
 
 def write_rerun(result: Result, path: str | Path, *, force: bool = False) -> Path:
-    """Write what was measured and simulated as one ``.rrd`` file, whole or not at all.
+    """Write measured and simulated signals as one ``.rrd`` file, complete or not at all.
 
     Each recording has a tab with a plot of each signal of each axis, in which ``measured``, ``simulated``
     and, where effects were found, ``simulated_with_effects`` lie one over the other, and plots of the

@@ -1,4 +1,4 @@
-"""The residual before and after as two small drawings that need no script: what a page shows first."""
+"""The residual before and after as two small drawings without a script, at the top of a page."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Strip:
 
 @dataclass(frozen=True)
 class Strips:
-    """The same signal's residual with one model after the other, over one scale.
+    """The residual of one signal with several models, at the same scale.
 
     Attributes:
         title: which signal of which axis, in which recording.
@@ -55,7 +55,7 @@ class Strips:
 
 
 def residual_strips(before: Comparison | None, after: Comparison | None) -> Strips | None:
-    """The residual where the model given fails most, and the same place with the effects added.
+    """Return the residual where the given model is worst, and the same place with the effects added.
 
     Args:
         before: the model as given against its recordings.

@@ -1,4 +1,4 @@
-"""The numbers behind the figures: residuals of one axis against speed, position and frequency."""
+"""Numbers behind the figures: residuals of one axis against speed, position and frequency."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class Binned:
 
 
 def column(entry: RecordingError, axis: str) -> int | None:
-    """The column of `axis` in a recording, or None where it has no such axis."""
+    """Return the column of `axis` in a recording; None without such an axis."""
     return entry.recording.axes.index(axis) if axis in entry.recording.axes else None
 
 
 def units(comparison: Comparison, axis: str) -> tuple[str, str]:
-    """SI units of position and torque of an axis."""
+    """Return SI units of position and torque of an axis."""
     for entry in comparison.recordings:
         k = column(entry, axis)
         if k is not None and k < len(entry.recording.units):
@@ -52,7 +52,7 @@ def units(comparison: Comparison, axis: str) -> tuple[str, str]:
 
 
 def has(entry: RecordingError, name: str) -> bool:
-    """Whether a signal was both measured and simulated, and compared.
+    """Return whether a signal was measured, simulated and compared.
 
     Where the loop is not known, the model follows the measured motion: its positions say nothing.
     """
@@ -62,26 +62,26 @@ def has(entry: RecordingError, name: str) -> bool:
 
 
 def noise(entry: RecordingError, name: str, k: int) -> float:
-    """Root mean square that a perfect model would leave on column `k` of a signal."""
+    """Return the root mean square error of a perfect model in column `k` of a signal."""
     values = entry.position_noise if name == "position" else entry.torque_noise
     return float(values[k]) if k < len(values) else float("nan")
 
 
 def rmse(entry: RecordingError, name: str, k: int) -> float:
-    """Root mean square residual of column `k` of a signal."""
+    """Return the root mean square residual of column `k` of a signal."""
     values = entry.position_rmse if name == "position" else entry.torque_rmse
     return float(values[k]) if k < len(values) else float("nan")
 
 
 def speed(entry: RecordingError) -> np.ndarray:
-    """Measured (or derived) velocity, shape (N, n)."""
+    """Return the measured (or derived) velocity, shape (N, n)."""
     recording = entry.recording
     velocity = recording.get("velocity")
     return np.gradient(recording.position, recording.time, axis=0) if velocity is None else velocity
 
 
 def worst_window(entry: RecordingError, axis: str) -> tuple[float, float]:
-    """The stretch of time [s] to look at first: half a dozen swings, where the residual is largest."""
+    """Return the stretch of time [s] to show first: about six swings where the residual is largest."""
     k, t = column(entry, axis), entry.recording.time
     whole = (float(t[0]), float(t[-1]))
     if k is None or len(t) < 100:
@@ -119,7 +119,8 @@ def _quantity(entry: RecordingError, against: Quantity, k: int) -> np.ndarray:
 
 
 def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -> Binned:
-    """Residual of one signal against speed, position, load or acceleration, pooled over recordings.
+    """Return the residual of one signal against speed, position, load or acceleration, pooled over
+    recordings.
 
     Bins are of equal width over the middle 99 % of the quantity; those with few samples are left out.
     """
@@ -152,7 +153,7 @@ def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -
 def spectrum(
     comparison: Comparison, axis: str, name: Signal, points: int = 160
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude spectral density of the residual, pooled over recordings.
+    """Return the amplitude spectral density of the residual, pooled over recordings.
 
     Returns:
         frequency [Hz] and density [unit/sqrt(Hz)], each of shape (at most `points`,), spaced
@@ -186,7 +187,7 @@ def spectrum(
 
 
 def noise_density(comparison: Comparison, axis: str, name: Signal) -> float:
-    """Amplitude spectral density [unit/sqrt(Hz)] of the noise floor, spread evenly over all frequencies."""
+    """Return the amplitude spectral density [unit/sqrt(Hz)] of the noise floor as white noise."""
     power, total = 0.0, 0.0
     for entry in comparison.recordings:
         k = column(entry, axis)
@@ -198,7 +199,8 @@ def noise_density(comparison: Comparison, axis: str, name: Signal) -> float:
 
 
 def min_max(values: np.ndarray, bins: int) -> tuple[np.ndarray, float]:
-    """`values` thinned for the eye: the least and greatest of each of `bins` stretches, in order of time.
+    """Return `values` thinned for display: least and greatest of each of `bins` stretches, in order of
+    time.
 
     Args:
         values: shape (N,).

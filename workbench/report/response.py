@@ -1,4 +1,4 @@
-"""One entry of a frequency response as a panel: magnitude, phase and error, models beside measurement."""
+"""One entry of a frequency response as a panel: magnitude, phase and error of measurement and models."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def response_panel(
     *,
     error: str = "relative error [%]",
 ) -> Panel:
-    """Measurement with its 95 % band and models over one frequency axis.
+    """Return the panel: measurement with its 95 % band, and models, over one frequency axis.
 
     Args:
         title: over the panel.
@@ -86,7 +86,9 @@ def response_panel(
 def error_row(
     label: str, frequency: np.ndarray, floor: np.ndarray, errors: Mapping[str, np.ndarray], low: float
 ) -> Row:
-    """Relative errors (F,) in percent over what the measurement's own uncertainty makes of them."""
+    """Return relative errors (F,) in percent, over the error that the uncertainty of the measurement
+    explains.
+    """
     bottom = np.full(len(frequency), 100.0 * low)
     return Row(
         label,
@@ -104,9 +106,10 @@ _WORDS = {
     "kin_only": "Kin-Only",
     "s3n_act": "S3N-Act",
     "s3n_full": "S3N-Full",
+    "s3n_full_paper": "S3N-Full (paper)",
 }
 
 
 def words_of(name: str) -> str:
-    """``"closed_chain"`` and the variants as they are printed; any other name as it is."""
+    """Return ``"closed_chain"`` and the variants as they are printed; any other name as it is."""
     return _WORDS.get(name, name)

@@ -1,4 +1,4 @@
-"""What an improvement leaves above the noise, in one sentence."""
+"""The error of an improvement that stays above the noise, in one sentence."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .wording import any_of, capital, effect_phrase, parameter_name, share_phras
 
 
 def near_sentence(near: Sequence[Finding]) -> str:
-    """What lowers the error and is not certain enough to be named; empty where there is nothing."""
+    """Return effects that lower the error but are not certain enough to be named; empty if there are none."""
     if not near:
         return ""
     told = []
@@ -26,7 +26,7 @@ def near_sentence(near: Sequence[Finding]) -> str:
 
 
 def rest_sentence(result: Improvement) -> str:
-    """Why it stops above the noise floor, and where what stays sits; empty where it reaches the floor."""
+    """Return why the error stays above the noise floor, and where it is; empty if it reaches the floor."""
     if result.verdict == "consistent":
         return ""
     last = result.after if result.steps else result.before

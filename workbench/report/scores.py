@@ -1,4 +1,4 @@
-"""The table of numbers: what is left of each signal, recording by recording and axis by axis."""
+"""The table of numbers: residual of each signal, per recording and axis."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .pack import partner
 
 
 def scores(before: Comparison | None, after: Comparison | None) -> dict[str, Any]:
-    """A row per recording and axis: what is left of each signal, beside the noise, and the columns' units."""
+    """Return one row per recording and axis: residual of each signal, noise, and the units of the columns."""
     entries = before.recordings if before else ()
     tables = [_score_table(before, after, name) for name in ("position", "torque")] if before else []
     rows = []

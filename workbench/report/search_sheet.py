@@ -1,4 +1,4 @@
-"""The page of ``workbench diagnose --trace``: everything that the search tried, drawn and in tables."""
+"""The page of ``workbench diagnose --trace``: everything that the search tried, as drawing and tables."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from .trace import trace_table
 
 
 def trace_sheet(result: Diagnosis) -> Sheet:
-    """The page of a trace: a drawing, a table of what was tried, and the rivals of every effect added."""
+    """Return the page of a trace: a drawing, a table of what was tried, and alternatives of every added
+    effect.
+    """
     trace = result.trace
     first = (
         "Each line starts from a model and adds effects. It replaces the best so far if it explains "
@@ -46,7 +48,7 @@ def trace_sheet(result: Diagnosis) -> Sheet:
 
 
 def trace_figure(trace: Sequence[Tried]) -> Figure:
-    """Error over noise of everything that was tried, a line each, from top to bottom in the order tried."""
+    """Return a figure: error over noise of everything that was tried, one line each, in the order tried."""
     with house_style():
         figure = Picture(figsize=(7.2, 0.9 + 0.42 * len(trace)), layout="constrained")
         ax = figure.subplots()

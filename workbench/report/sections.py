@@ -1,4 +1,4 @@
-"""What the page says, section by section, as plain text and numbers ready to be laid out."""
+"""Sections of the page, as plain text and numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _RANKED = 10
 def sections(
     result: Result, before: Comparison | None, after: Comparison | None, truth: Truth | None
 ) -> dict[str, Any]:
-    """Everything in the page but its plots and how to reproduce it."""
+    """Return everything on the page except its plots and how to reproduce it."""
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
     diagnosis = diagnosis if isinstance(diagnosis, Diagnosis) else None
     kind = "demo" if truth is not None else type(result).__name__.lower()
@@ -84,7 +84,7 @@ def _notes(result: Result, before: Comparison | None) -> list[str]:
 
 
 def sentence(result: Result) -> str:
-    """The verdict, in one sentence."""
+    """Return the verdict as one sentence."""
     if isinstance(result, Comparison):
         return w.comparison_sentence(result)
     if isinstance(result, Diagnosis):

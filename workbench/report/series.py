@@ -1,4 +1,4 @@
-"""The signals of a result by recording, for other programs: measured, simulated, and the difference."""
+"""Signals of a result per recording, for other programs: measured, simulated, and the difference."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ Signals = Mapping[str, np.ndarray]
 def series_of(
     result: Result,
 ) -> Iterator[tuple[str, str, Recording, Signals]]:
-    """Name of a recording, what its signals are, the recording that has their times and rows, and these.
+    """Return name of a recording, kinds of its signals, the recording with their times and rows, and the
+    signals.
 
     What they are: ``measured``, ``simulated`` and ``residual`` (measured minus simulated), and where effects
     were found ``simulated_with_effects`` and ``residual_with_effects``. Names that occur again get a number.
@@ -41,6 +42,6 @@ def series_of(
 
 
 def si_units(recording: Recording, signal: str) -> tuple[str, ...]:
-    """The SI unit of a signal on each axis."""
+    """Return the SI unit of a signal on each axis."""
     choices = KINDS[AXIS_SIGNALS[signal]]
     return tuple(choices[0 if unit == "rad" else -1] for unit in recording.units)

@@ -1,4 +1,4 @@
-"""The shape of what no effect explains, drawn: a function that was fitted, beside what it was fitted to."""
+"""Drawings of the unexplained torque: a fitted smooth function, and the data to which it was fitted."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _MOST = 4
 
 
 def shape_figure(result: Diagnosis) -> Figure:
-    """The smooth functions that the missing torque follows, with twice their deviation on either side.
+    """Return a figure: smooth functions that the missing torque follows, with twice their standard
+    deviation.
 
     Args:
         result: a diagnosis that has some.
@@ -55,7 +56,7 @@ def shape_figure(result: Diagnosis) -> Figure:
 
 
 def shape_rows(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
-    """What the page draws and says of each: what removes most first, as plain text and numbers."""
+    """Return what the page draws and states of each, the one that removes most first, as text and numbers."""
     rows = []
     for shape in shapes[:_MOST]:
         along, *others = (plain(q) for q in shape.quantities)

@@ -1,4 +1,4 @@
-"""Where an error sits, as the tables of a page split it."""
+"""Where an error is, as the tables of a page divide it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROWS = 6
 
 
 def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    """Shares of the excess in groups: by speed, position, frequency and time."""
+    """Return shares of the excess in groups: by speed, position, frequency and time."""
     groups: dict[str, list[dict[str, str]]] = {}
     for s in sorted(shares, key=lambda s: -s.share):
         low, high = s.range
@@ -32,5 +32,5 @@ def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
 
 
 def bar_width(share: float) -> str:
-    """How wide the bar of a share is [%]."""
+    """Return the width of the bar of a share [%]."""
     return f"{100 * min(1.0, max(0.0, share if share == share else 0.0)):.1f}"

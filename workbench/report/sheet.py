@@ -1,4 +1,4 @@
-"""The parts of a page that commands fill whose result is neither a comparison nor a diagnosis.
+"""Parts of a page for commands whose result is neither a comparison nor a diagnosis.
 
 A verdict, key numbers, and sections of sentences, tables and drawings; `sheet_page` lays them out.
 """
@@ -37,7 +37,7 @@ STYLES: dict[str, tuple[str, str, float]] = {
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line or cloud of a panel.
+    """One line or set of points of a panel.
 
     Attributes:
         name: in the key.
@@ -56,7 +56,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """One of the diagrams that stand above each other in a panel and share its x axis."""
+    """One diagram of a panel; those of a panel are above each other and share the x axis."""
 
     label: str
     curves: tuple[Curve, ...]
@@ -86,7 +86,7 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Panels with one key and one caption."""
+    """Panels with one legend and one caption."""
 
     panels: tuple[Panel, ...]
     caption: str
@@ -107,7 +107,7 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """What a page says.
+    """Content of a page.
 
     Attributes:
         kind, model: "`kind` of `model`" is the page's name.

@@ -1,4 +1,4 @@
-"""A sheet laid out as one HTML page, with what every page has."""
+"""Layout of a sheet as one HTML page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def write_sheet(
     inputs: Sequence[str | Path] = (),
     force: bool = False,
 ) -> Path:
-    """Write a sheet as one HTML page, whole or not at all; arguments and errors as `write_page`."""
+    """Write a sheet as one HTML page, complete or not at all; arguments and errors as `write_page`."""
     check_free(path, force=force)
     page = render_sheet(sheet, command=command, seeds=seeds, inputs=inputs)
     return write_whole(path, page, force=force)
@@ -46,7 +46,7 @@ def render_sheet(
     seeds: Mapping[str, int] | None = None,
     inputs: Sequence[str | Path] = (),
 ) -> str:
-    """The page as HTML text; see `write_sheet`."""
+    """Return the page as HTML text; see `write_sheet`."""
     panels = [p for s in sheet.sections for d in s.drawings for p in d.panels]
     numbered = iter(range(len(panels)))
     fallback = _picture(sheet.picture if panels else None)

@@ -1,4 +1,4 @@
-"""A table of a page: what it holds, and its parts as the templates lay them out."""
+"""A table of a page: its content, and its parts for the templates."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class SheetTable:
 
 
 def table_parts(table: SheetTable) -> dict[str, Any]:
-    """Caption, header (text, and whether it stands to the right) and rows, as plain text."""
+    """Return caption, header (text, and whether it is right-aligned) and rows, as plain text."""
     return {
         "caption": plain(table.caption),
         "header": [(plain(h.lstrip(">")), h.startswith(">")) for h in table.header],

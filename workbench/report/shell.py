@@ -1,4 +1,4 @@
-"""What every page has: the template around it, plotly in it, and how to reproduce what it shows."""
+"""Common parts of every page: its template, plotly, and how to reproduce it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .numbers import plain, unbroken
 
 
 def reproduce(command: str, seeds: Mapping[str, int] | None, inputs: Sequence[str | Path]) -> dict[str, Any]:
-    """Command, seeds, versions and the inputs' SHA-256, as the template prints them.
+    """Return command, seeds, versions and the SHA-256 of the inputs, for the template.
 
     Raises:
         InputError: an input cannot be read.
@@ -36,13 +36,13 @@ def reproduce(command: str, seeds: Mapping[str, int] | None, inputs: Sequence[st
 
 
 def compress(data: bytes) -> str:
-    """gzip, then base64: what the page inflates when it is opened."""
+    """Return the data as gzip in base64; the page decompresses it when it is opened."""
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
 
 
 @cache
 def plotly() -> str:
-    """The library that draws, compressed."""
+    """Return the drawing library, compressed."""
     from plotly.offline import get_plotlyjs  # slow to import, and only pages need it
 
     return compress(get_plotlyjs().encode("utf-8"))
@@ -50,7 +50,7 @@ def plotly() -> str:
 
 @cache
 def template(name: str) -> jinja2.Template:
-    """A template of this package; whatever it prints is escaped."""
+    """Return a template of this package; what it prints is escaped."""
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(_read),
         autoescape=True,

@@ -1,4 +1,4 @@
-"""How all pictures look, and how they are written: on paper, and on a grey printer."""
+"""Style of all pictures, and how they are written; readable on a grey printer too."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ _RC: Any = {
 
 
 def house_style() -> AbstractContextManager[None]:
-    """Figures that are made within look like all others."""
+    """Give all figures that are made within the block the same style."""
     return mpl.rc_context(_RC)
 
 
 def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Path:
-    """Write a figure as PNG or SVG by the name's ending, whole or not at all."""
+    """Write a figure as PNG or SVG, by the ending of the name, complete or not at all."""
     kind = Path(path).suffix.lower().lstrip(".")
     if kind not in ("png", "svg"):
         raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
@@ -58,7 +58,7 @@ def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Pat
 
 
 def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
-    """The figure as PNG or SVG, the same bytes whenever it is drawn."""
+    """Return the figure as PNG or SVG; the bytes are the same at every call."""
     buffer = io.BytesIO()
     metadata = {"Date": None} if kind == "svg" else {"Software": None}
     with mpl.rc_context(_RC):

@@ -30,7 +30,7 @@ _OVERLAP = "Speed, position, frequency and time divide the same error differentl
 
 
 def compare_table(result: Comparison) -> Group:
-    """Verdict, RMSE beside the noise of each recording and axis, and where the excess sits."""
+    """Return a table: verdict, RMSE and noise of each recording and axis, and where the excess is."""
     table = _table(
         "recording",
         "axis",
@@ -82,7 +82,7 @@ def compare_table(result: Comparison) -> Group:
 
 
 def diagnosis_table(result: Diagnosis) -> Group:
-    """Verdict, findings with all that supports or weakens them, and what to measure next."""
+    """Return a table: verdict, findings with all evidence, and what to measure next."""
     good = result.verdict == "consistent"
     left = percent(result.unexplained_fraction)
     parts: list[RenderableType] = [
@@ -111,7 +111,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
 
 
 def improvement_table(result: Improvement) -> Group:
-    """Verdict and the error falling step by step beside the noise floor."""
+    """Return a table: verdict, the error of every step, and the noise floor."""
     steps = rungs(result)
     named = bool(result.steps) and not result.nearest
     findings = {f.key: f for f in result.diagnosis.findings} if result.diagnosis else {}
@@ -166,7 +166,7 @@ def _mend(result: Diagnosis) -> list[Text]:
 
 
 def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
-    """What the virtual hardware hid beside what was found."""
+    """Return a table of hidden and found effects."""
     if not truth:
         return Group(Text("The truth", style="bold"), Text("Nothing was hidden."))
     table = _table("hidden effect", "outcome", "parameter", "true", "found (95 %)", "inside")

@@ -1,4 +1,4 @@
-"""What recordings can tell apart, in words: effects that are one for another, and what disagrees."""
+"""Which effects the recordings can distinguish, and which recordings disagree, in words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .numbers import interval, short
 
 
 def told_apart(known: Identifiability | None) -> list[str]:
-    """Sentences: how many effects differ in these recordings, and which stand for one another."""
+    """Return sentences: how many effects these recordings distinguish, and which look the same."""
     if known is None:
         return []
     counts = f"{len(known.separable)} of {known.count} effects"
@@ -51,7 +51,7 @@ def _drive_or_joint(groups: Iterable[Sequence[EffectKey]]) -> list[str]:
 
 
 def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
-    """One sentence a disagreement: what explains each recording, with which value."""
+    """Return one sentence per disagreement: the effect that explains each recording, and its values."""
     lines = []
     for d in found:
         pairs = [f"{short(v)} in {name}" for name, v in zip(d.recordings, d.values, strict=True)]
@@ -65,7 +65,7 @@ def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
 
 
 def expected_rows(known: Identifiability | None) -> list[dict[str, str]]:
-    """Of each effect that shows: its parameters at a small size with the intervals to expect."""
+    """Return, for each effect that shows: its parameters at a small size with the expected intervals."""
     if known is None:
         return []
     return [
@@ -78,7 +78,7 @@ def expected_rows(known: Identifiability | None) -> list[dict[str, str]]:
 
 
 def identifiability_dict(known: Identifiability | None) -> dict[str, Any] | None:
-    """Its JSON; None where it was not asked for."""
+    """Return its JSON; None if it was not asked for."""
     if known is None:
         return None
     return {
@@ -92,7 +92,7 @@ def identifiability_dict(known: Identifiability | None) -> dict[str, Any] | None
 
 
 def disagreement_dicts(found: Iterable[Disagreement]) -> list[dict[str, Any]]:
-    """Their JSON."""
+    """Return the JSON of disagreements."""
     return [
         {"recordings": list(d.recordings), "effect": key_dict(d.key), "values": list(d.values)} for d in found
     ]

@@ -1,4 +1,4 @@
-"""The trace of a search: what was tried, what it left, and why it was taken or not."""
+"""The trace of a search: what was tried, its error, and why it was accepted or not."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Ex
 
 
 def trace_table(trace: Sequence[Tried]) -> SheetTable:
-    """A row for each thing that was tried: what, its effects, what it left, whether it was taken and why."""
+    """Return one row for each trial: what, its effects, its error, whether it was accepted and why."""
     rows = (
         (
             f"{k}. {w.capital(t.move)}" + (f", from {_named(t.begun_with)}" if t.begun_with else ""),
@@ -32,7 +32,7 @@ def trace_table(trace: Sequence[Tried]) -> SheetTable:
 
 
 def trace_dicts(trace: Sequence[Tried]) -> list[dict[str, Any]]:
-    """The JSON of a trace."""
+    """Return the JSON of a trace."""
     return [
         {
             "move": t.move,

@@ -1,4 +1,4 @@
-"""What the virtual hardware hid, beside what was found."""
+"""Hidden effects of the virtual hardware, compared with the found ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .wording import capital, effect_phrase, parameter_name
 
 @dataclass(frozen=True)
 class TruthRow:
-    """One parameter of one hidden effect: what it was, what was found, and whether the interval holds it."""
+    """One parameter of one hidden effect: true value, found value, and whether it is inside the interval."""
 
     effect: str
     outcome: str
@@ -27,7 +27,7 @@ class TruthRow:
 
 
 def truth_rows(result: Improvement | Diagnosis, truth: Truth) -> tuple[TruthRow, ...]:
-    """A row a hidden parameter; at least one a hidden effect.
+    """Return one row per hidden parameter; at least one per hidden effect.
 
     Args:
         result: what was found.

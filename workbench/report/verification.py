@@ -9,10 +9,13 @@ from workbench.core import Check, Verification
 
 from .layout import table, text, verdict
 from .numbers import number, unit_text
+from .response import words_of
 
 
 def verification_table(result: Verification) -> Group:
-    """Verdict, every quantity with its difference and tolerance, the variants' inertia, what is stated."""
+    """Return a table: verdict, every quantity with difference and tolerance, inertia of the variants, stated
+    facts.
+    """
     checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "unit", "between")
     for column in (1, 4):
         checks.columns[column].no_wrap = True
@@ -30,15 +33,15 @@ def verification_table(result: Verification) -> Group:
     if result.variants:
         inertia = table("variant", ("M11", "right"), ("M12", "right"), ("M22 [kg m²]", "right"))
         for name, values in result.variants.items():
-            inertia.add_row(name, *(f"{v:.5f}" for v in values))
+            inertia.add_row(words_of(name), *(f"{v:.5f}" for v in values))
         parts += [Text(), Text("Mass matrix at alpha = 90°, serial coordinates", style="bold"), inertia]
     if len(result.radius):
         low, high = float(result.radius.min()), float(result.radius.max())
         parts += [
             Text(),
             text(
-                f"Explicit injection: spectral radius {low:.3f} to {high:.3f} over alpha"
-                + (" (unstable at 1 and above)." if high >= 1 else ".")
+                f"Explicit injection (the paper's method) is {'not ' if high >= 1 else ''}stable here: "
+                f"spectral radius {low:.3f} to {high:.3f} over the knee's range; it has to be below 1."
             ),
         ]
     parts += [
@@ -50,7 +53,7 @@ def verification_table(result: Verification) -> Group:
 
 
 def sentence(result: Verification) -> str:
-    """The verdict in one sentence."""
+    """Return the verdict as one sentence."""
     broken = [c.name for c in result.checks if not c.passed]
     if not broken:
         return f"{result.model}: all {len(result.checks)} quantities agree."

@@ -27,17 +27,17 @@ _SIGNALS = {"position": "position", "torque": "torque", "torque_measured": "torq
 
 
 def capital(text: str) -> str:
-    """First letter upper case, the rest as it is."""
+    """Return the text with its first letter in upper case."""
     return text[:1].upper() + text[1:]
 
 
 def effect_name(effect: str) -> str:
-    """``"coulomb_friction"`` as words: ``"Coulomb friction"``; a common noun stays lower case."""
+    """Return ``"coulomb_friction"`` as words: ``"Coulomb friction"``; a common noun stays lower case."""
     return " ".join(_NAMES.get(word, word) for word in plain(effect).split("_"))
 
 
 def place(key: EffectKey) -> str:
-    """Where an effect acts: ``"on the knee drive"``, ``"at the knee joint"``, ``"on all axes"``."""
+    """Return where an effect acts: ``"on the knee drive"``, ``"at the knee joint"``, ``"on all axes"``."""
     if key.effect in _OF_LINKS:
         return f"of the {plain(key.axis or '')} link"
     if key.site is not None:
@@ -51,7 +51,7 @@ def place(key: EffectKey) -> str:
 
 
 def effect_phrase(key: EffectKey) -> str:
-    """Effect and place, e.g. ``"Coulomb friction on the knee drive"``."""
+    """Return effect and place, e.g. ``"Coulomb friction on the knee drive"``."""
     return f"{effect_name(key.effect)} {place(key)}"
 
 
@@ -74,12 +74,12 @@ def sized_in_list(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
 
 
 def any_of(phrases: Sequence[str], word: str = "or") -> str:
-    """``"a, b or c"``."""
+    """Return a list as words: ``"a, b or c"``."""
     return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"
 
 
 def one_of_a_kind(keys: Iterable[EffectKey]) -> list[EffectKey]:
-    """The keys, of several of a kind in one place the first."""
+    """Return the keys; of several copies in one place only the first."""
     out: list[EffectKey] = []
     for key in keys:
         if key.copy == 1 or not any(key.same_place(k) for k in out):
@@ -88,13 +88,13 @@ def one_of_a_kind(keys: Iterable[EffectKey]) -> list[EffectKey]:
 
 
 def harmonics(key: EffectKey, keys: Iterable[EffectKey]) -> str:
-    """``" (3 harmonics)"`` where there are several of a kind in the place of a key; else nothing."""
+    """Return ``" (3 harmonics)"`` if there are several copies in the place of a key; else nothing."""
     kin = [k for k in keys if k.same_place(key)]
     return f" ({len(kin)} harmonics)" if any(k.copy > 1 for k in kin) else ""
 
 
 def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = None) -> list[str]:
-    """One phrase an effect, all its places in it: ``"torque saturation on the hip and knee drives"``.
+    """Return one phrase per effect with all its places: ``"... on the hip and knee drives"``.
 
     `names` stand in for those of the effects.
     """
@@ -116,12 +116,12 @@ def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = 
 
 
 def parameter_name(name: str) -> str:
-    """``"viscous_damping"`` as words."""
+    """Return ``"viscous_damping"`` as words."""
     return plain(name).replace("_", " ")
 
 
 def single_value(parameters: Mapping[str, Estimate]) -> str:
-    """``", 0.254 ± 0.003 N m (95 %)"`` where the effect has one parameter, else nothing."""
+    """Return ``", 0.254 ± 0.003 N m (95 %)"`` if the effect has one parameter, else nothing."""
     if len(parameters) != 1:
         return ""
     estimate = next(iter(parameters.values()))
@@ -130,14 +130,14 @@ def single_value(parameters: Mapping[str, Estimate]) -> str:
 
 
 def total_phrase(finding: Finding) -> str:
-    """``"0.450 ± 0.002 N m, where the model has 0.150"``; empty where no number of the model is corrected."""
+    """Return ``"0.450 ± 0.002 N m, where the model has 0.150"``; empty without a corrected number."""
     if finding.total is None or not finding.model_value:
         return ""
     return f"{interval(finding.total)}, where the model has {number(finding.model_value)}"
 
 
 def times_noise(error: float, noise: float) -> str:
-    """How often the noise floor goes into the error: ``"12.9 times"``."""
+    """Return the error divided by the noise floor: ``"12.9 times"``."""
     ratio = error / noise if noise > 0 else math.nan
     if not math.isfinite(ratio):
         return ""
@@ -146,13 +146,13 @@ def times_noise(error: float, noise: float) -> str:
 
 
 def share_phrase(share: Share) -> str:
-    """One share of the excess: ``"64 % is in the knee torque, at speeds of −1 to 1 rad/s"``."""
+    """Return one share of the excess: ``"64 % is in the knee torque, at speeds of −1 to 1 rad/s"``."""
     signal = _SIGNALS.get(share.signal, plain(share.signal))
     return f"{percent(share.share)} is in the {plain(share.axis)} {signal}, {range_phrase(share)}"
 
 
 def range_phrase(share: Share) -> str:
-    """Where, as an adverbial: ``"at speeds of −1 to 1 rad/s"``."""
+    """Return a range as words: ``"at speeds of −1 to 1 rad/s"``."""
     (low, high), unit = share.range, plain(share.unit)
     span = f"{short(low)} to {short(high)} {unit}"
     if low == -math.inf or high == math.inf:
@@ -162,7 +162,7 @@ def range_phrase(share: Share) -> str:
 
 
 def comparison_sentence(result: Comparison) -> str:
-    """What a comparison says, in one sentence."""
+    """Return the result of a comparison as one sentence."""
     if not math.isfinite(result.error):
         return "Nothing moves in these recordings, so there is nothing to compare."
     if result.consistent:
@@ -181,7 +181,7 @@ def comparison_sentence(result: Comparison) -> str:
 
 
 def loop_sentence(result: Comparison) -> str:
-    """Why no motion was compared, where that is so; else empty."""
+    """Return why no motion was compared; empty if it was."""
     still = [
         e.recording
         for e in result.recordings
@@ -201,7 +201,7 @@ def loop_sentence(result: Comparison) -> str:
 
 
 def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str:
-    """How far the torque that the motion needs is off the recorded one; empty where it is not known."""
+    """Return the difference between required and recorded torque; empty if it is not known."""
     if before is None or before.inverse_dynamics is None:
         return ""
     inverse = before.inverse_dynamics
@@ -219,7 +219,7 @@ def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str
 
 
 def outlier_phrase(outlier: Outlier) -> str:
-    """``"the knee position misses by 1.44 times its own noise, where noise makes 1.3 at most"``."""
+    """Return ``"the knee position misses by 1.44 times its own noise, where noise makes 1.3 at most"``."""
     return (
         f"the {plain(outlier.axis)} {outlier.signal} misses by {short(outlier.ratio)} times its own noise, "
         f"where noise makes {short(outlier.limit)} at most"
@@ -227,14 +227,14 @@ def outlier_phrase(outlier: Outlier) -> str:
 
 
 def lookalike_sentence(keys: Sequence[EffectKey]) -> str:
-    """What the data cannot tell apart, or nothing."""
+    """Return what the data cannot distinguish, or nothing."""
     if not keys:
         return ""
     return f"These data cannot tell it from {any_of([effect_phrase(k) for k in keys])}."
 
 
 def holdout_sentence(before: float | None, after: float | None) -> str:
-    """What data not used for the fit says, or that there is none."""
+    """Return the result on data that were not fitted, or that there are none."""
     if before is None or after is None:
         return "No held-out recording: nothing checks this on data that was not used for the fit."
     if not (math.isfinite(before) and math.isfinite(after)):
@@ -244,7 +244,7 @@ def holdout_sentence(before: float | None, after: float | None) -> str:
 
 
 def removed_sentence(step: Step) -> str:
-    """What a step made needless, or nothing."""
+    """Return the effects that a step made unnecessary, or nothing."""
     if not step.removed:
         return ""
     return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} unnecessary."

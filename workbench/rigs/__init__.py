@@ -1,4 +1,4 @@
-"""Where measurements come from: virtual hardware, a closed chain in Drake with effects hidden in it."""
+"""Sources of measurements: virtual hardware, a closed chain in Drake with hidden effects."""
 
 from workbench.mechanism import ClosedChain
 

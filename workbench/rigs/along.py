@@ -1,4 +1,4 @@
-"""Directions in coordinates of any number, for plain float code."""
+"""Directions in coordinates of any number, as plain float code."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class VirtualBench:
         self._drive = drive_side(hidden, axis)
 
     def run(self, commands: dict[str, np.ndarray], excitation: Excitation) -> list[Recording]:
-        """Plays torque commands.
+        """Play torque commands, and return the recordings.
 
         Args:
             commands: name -> torque (N,) [N m] at 1 kHz, of which every third row is taken and held.
@@ -122,7 +122,7 @@ def _shaft(torque: np.ndarray, drive: DriveSide) -> tuple[np.ndarray, np.ndarray
 
 @lru_cache(maxsize=1)
 def shaft_constants() -> tuple[float, float]:
-    """Inertia [kg m^2] and damping [N m s/rad] of the shaft, as Drake has them."""
+    """Return inertia [kg m^2] and damping [N m s/rad] of the shaft, as in Drake."""
     plant: Any = MultibodyPlant(0.0)  # Any: Drake's stubs misuse numpy's type parameters
     Parser(plant).AddModels(closed_chain_file("actuator"))
     plant.Finalize()

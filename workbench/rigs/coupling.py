@@ -1,4 +1,4 @@
-"""What may lie between a motor and its link, and between the leg's stand and the ground."""
+"""Elements between a motor and its link, and between the stand of the leg and the ground."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Base:
-    """A stand that gives way along x: mass x'' + damping x' + stiffness x = force of the leg on it.
+    """A compliant stand along x: mass x'' + damping x' + stiffness x = force of the leg on it.
 
     Attributes:
         stiffness: [N/m].

@@ -28,7 +28,7 @@ def degrade(
     every: int = 1,
     seed: int = 0,
 ) -> Recording:
-    """A copy of a recording as a poorer logger would have made it.
+    """Return a copy of a recording as a poorer logger would have made it.
 
     Args:
         recording: with rows on a uniform clock.

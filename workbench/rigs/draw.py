@@ -1,4 +1,4 @@
-"""Draws what is hidden: which effects, where, how large."""
+"""Draws hidden effects: which, where, how large."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _MOST_DRY = 2  # that the rig can stick at
 
 
 def draw_hidden(seed: int, effects: Collection[str] = DEMO_EFFECTS) -> HiddenEffect:
-    """One effect with a magnitude log-uniform from clearly visible to `SPAN` times that.
+    """Return one effect with a magnitude log-uniform between clearly visible and `SPAN` times that.
 
     Every effect is as likely as any other, then every place where it can sit.
 
@@ -57,7 +57,7 @@ def draw_hidden(seed: int, effects: Collection[str] = DEMO_EFFECTS) -> HiddenEff
 
 
 def draw_several(seed: int, count: int, effects: Collection[str] = DEMO_EFFECTS) -> tuple[HiddenEffect, ...]:
-    """Two or three effects at different places that are not much the same thing.
+    """Return two or three effects at different places that differ enough from each other.
 
     No place (axis and location, or the whole leg) is taken twice, and no two effects of one kind act on the
     same axis: an inertia and a payload, a command's and a sensor's delay.
@@ -85,7 +85,7 @@ def draw_several(seed: int, count: int, effects: Collection[str] = DEMO_EFFECTS)
 
 
 def magnitude_range(seat: Seat) -> tuple[float, float]:
-    """Smallest and largest magnitude that is drawn at `seat`, in the unit of `hidden_effect`."""
+    """Return smallest and largest drawn magnitude at `seat`, in the unit of `hidden_effect`."""
     low = SMALLEST[seat]
     return low, max(low, min(SPAN * low, LARGEST.get(seat[0], np.inf)))
 

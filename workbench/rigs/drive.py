@@ -1,4 +1,4 @@
-"""Both drives from command to the torque on their rotors, row by row.
+"""Both drives, from command to the torque on their rotors, row by row.
 
 Delay, then limits, then current-loop lag; here the torque is measured; then whatever reshapes it, gain,
 derating and bias. Torque is held over pieces of a row, at its mean over the piece where it changes.
@@ -18,7 +18,7 @@ _PIECE = 0.25e-3  # a torque that changes within a row is held this long [s]
 
 
 class Drive:
-    """Torque of both motors; holds what is on its way, so use one a run.
+    """Torque of both motors; it stores delayed commands, so use one per run.
 
     A delay is whole rows plus a rest; during the rest of each row the previous command still stands.
 
@@ -49,18 +49,18 @@ class Drive:
         self.feels_speed = any(machine.speed_limit)
 
     def command(self, torque: Pair) -> None:
-        """Takes the command of the row that begins."""
+        """Store the command of the row that begins."""
         (low1, low2) = self._limit
         self._pending.append((min(max(torque[0], -low1), low1), min(max(torque[1], -low2), low2)))
         self._pending.pop(0)
 
     def feel(self, v1: float, v2: float) -> None:
-        """The motors' speeds at the end of the last piece [rad/s]."""
+        """Store the speeds of the motors at the end of the last piece [rad/s]."""
         self._before, self._speed = self._speed, (v1, v2)
 
     @property
     def torque(self) -> Pair:
-        """What the torque sensor sees at the start of the row, just after an edge [N m]."""
+        """Return the reading of the torque sensor at the start of the row, just after an edge [N m]."""
         target = self._pending[0 if self._rest else 1]
         if self.feels_speed:
             target = self._within(target, self._speed)
@@ -70,7 +70,7 @@ class Drive:
         return now1 if lag1 else target[0], now2 if lag2 else target[1]
 
     def advance(self, bias: Iterable[float]) -> Iterable[tuple[float, float, float]]:
-        """Torques of both rotors [N m] and how long they act [s], through one row.
+        """Return torques of both rotors [N m] and their durations [s], through one row.
 
         Args:
             bias: unmeasured torque of the row, added after the gain (2,) [N m].
@@ -136,7 +136,9 @@ class Heat:
         self._derating, self._filtered = derating, 0.0
 
     def kept(self, torque: float, duration: float) -> float:
-        """Mean gain over a piece of constant `torque` [N m] and `duration` [s]; never below zero."""
+        """Return the mean gain over a piece of constant `torque` [N m] and `duration` [s]; never below
+        zero.
+        """
         if self._derating is None:
             return 1.0
         goal, now, lag = torque * torque, self._filtered, self._derating.time_constant

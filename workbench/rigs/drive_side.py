@@ -1,4 +1,4 @@
-"""A drive by itself: what a bench without a leg measures of it, and what stands behind a robot's joint."""
+"""A drive alone: on a bench without a leg, or behind a joint of a robot."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class DriveSide:
 
     @property
     def rigid(self) -> bool:
-        """Whether rotor and link move as one."""
+        """Return whether rotor and link are rigidly connected."""
         return self.stiffness == 0.0
 
 
 def drive_side(hidden: Sequence[HiddenEffect], axis: str) -> DriveSide:
-    """The drive of one axis of a leg that hides these effects.
+    """Return the drive of one axis of a leg with these hidden effects.
 
     What sits in the links is not the drive's and is passed over.
 

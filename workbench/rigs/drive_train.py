@@ -1,4 +1,4 @@
-"""Drives with effects hidden in them, row by row, for a robot whose links somebody else moves.
+"""Drives with hidden effects, row by row, for a robot whose links are simulated elsewhere.
 
 Each drive gets a measured torque and gives the torque that reaches its link. A drive without play moves as
 one with its link, so that its rotor and damping belong to whoever moves the links; one with play has a rotor
@@ -50,15 +50,15 @@ class DriveTrain:
         self._angle, self._speed = np.zeros(len(sides)), np.zeros(len(sides))
 
     def reset(self, position: np.ndarray) -> None:
-        """At rest with every rotor amid its play (n,) [rad]."""
+        """Set it at rest with every rotor in the middle of its play (n,) [rad]."""
         self._angle, self._speed = np.array(position, float), np.zeros(len(position))
 
     def motion(self, position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Angles and speeds of the rotors, which encoders see, from those of the links, (n,) each."""
+        """Return angles and speeds of the rotors, which encoders see, from those of the links, (n,) each."""
         return np.where(self._plays, self._angle, position), np.where(self._plays, self._speed, velocity)
 
     def advance(self, torque: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-        """One step.
+        """Simulate one step.
 
         Args:
             torque: measured, of each drive (n,) [N m].

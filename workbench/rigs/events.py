@@ -1,4 +1,4 @@
-"""Where within a step something changes its sign."""
+"""The time within a step at which something changes its sign."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TIGHT = 1e-10  # how near zero a quantity counts as there [rad or rad/s]
 
 
 def crossing(value: Callable[[float], float], low_value: float, high_value: float, h: float) -> float:
-    """Where `value` of a step's length changes its sign, by regula falsi (Illinois) [s].
+    """Return the time at which `value` changes its sign, by regula falsi (Illinois) [s].
 
     Args:
         value: the quantity at the end of a step of the given length [s].
@@ -39,10 +39,10 @@ def crossing(value: Callable[[float], float], low_value: float, high_value: floa
 
 
 def slip(along: Along) -> Switch:
-    """The speed along a direction."""
+    """Return the speed along a direction."""
     return lambda state: along.read(state[1])
 
 
 def flank(front: int, back: int, wind: float) -> Switch:
-    """How far one coordinate leads another beyond an angle."""
+    """Return by how much the difference of two coordinates exceeds an angle."""
     return lambda state: state[0][front] - state[0][back] - wind

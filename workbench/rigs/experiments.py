@@ -1,4 +1,4 @@
-"""The demo's experiments: what the leg is asked to do, before anything is measured.
+"""Experiments of the demo: references and feedforwards of the leg.
 
 References are joint angles (hip, knee between the links), feedforwards actuator torques; both have one row
 per millisecond. Six experiments, each for a purpose: chirps for inertia, a multisine on the sum and one on
@@ -20,7 +20,7 @@ HOLD = np.array([-0.55, np.pi / 3])  # joint angles of the hold posture [rad]
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """One run to make.
+    """One run.
 
     Attributes:
         name: becomes the recording's name.
@@ -38,14 +38,14 @@ class Experiment:
 
     @classmethod
     def replay(cls, recording: Recording) -> Experiment:
-        """The experiment behind a recording of the leg: same reference, same feedforward, same rows."""
+        """Return the experiment of a recording of the leg: same reference, feedforward and rows."""
         reference = np.array(recording.signals["position_reference"], float)
         feedforward = np.array(recording.signals.get("torque_feedforward", np.zeros_like(reference)), float)
         period = round(recording.period, 12)
         return cls(recording.name, reference, feedforward, recording.excitation, period)
 
     def at_period(self, period: float) -> Experiment:
-        """The same motion with rows of another `period` [s], by straight lines between the rows."""
+        """Return the same motion with rows of another `period` [s], interpolated linearly."""
         rows = round(len(self.reference) * self.period / period)
         t, own = np.arange(rows) * period, np.arange(len(self.reference)) * self.period
 
@@ -58,7 +58,7 @@ class Experiment:
 
 
 def demo_experiments(seed: int = 0) -> tuple[Experiment, ...]:
-    """The six experiments of the demo, 59 s in all; `seed` draws the validation motion."""
+    """Return the six experiments of the demo, 59 s in all; `seed` draws the validation motion."""
     return (
         chirp("hip"),
         chirp("knee"),
@@ -72,7 +72,9 @@ def demo_experiments(seed: int = 0) -> tuple[Experiment, ...]:
 def chirp(
     joint: str, amplitude: float = 0.2, f_min: float = 0.1, f_max: float = 25.0, duration: float = 8.0
 ) -> Experiment:
-    """Reference of one joint sweeps exponentially from `f_min` to `f_max` [Hz] with `amplitude` [rad]."""
+    """Return a chirp: the reference of one joint sweeps exponentially from `f_min` to `f_max` [Hz] with
+    `amplitude` [rad].
+    """
     t = _clock(duration)
     growth = duration / np.log(f_max / f_min)
     phase = 2 * np.pi * f_min * growth * np.expm1(t / growth)
@@ -89,7 +91,8 @@ def multisine(
     period: float = 5.0,
     duration: float = 11.0,
 ) -> Experiment:
-    """Torque multisine with Schroeder phases on both motors, alike (``sum``) or opposed (``difference``).
+    """Return a torque multisine with Schroeder phases on both motors, in phase (``sum``) or counterphase
+    (``difference``).
 
     `rms` [N m] a motor; all lines from 1/`period` to `f_max` [Hz].
     """
@@ -107,7 +110,9 @@ def multisine(
 
 
 def slow_sweep(duration: float = 15.0) -> Experiment:
-    """Both references wander slowly through most of the range, at frequencies with no common period."""
+    """Return a sweep: both references move slowly through most of the range, at frequencies without a common
+    period.
+    """
     t = _clock(duration)
     hip = 0.55 * np.sin(2 * np.pi * 0.10 * t)
     knee = 0.5 * (np.sin(2 * np.pi * 0.07 * t + 1.0) - np.sin(1.0))
@@ -116,7 +121,9 @@ def slow_sweep(duration: float = 15.0) -> Experiment:
 
 
 def validation(seed: int, duration: float = 6.0) -> Experiment:
-    """Five random tones in each reference, 0.5 to 6 Hz, and an independent random-phase multisine a motor."""
+    """Return five random tones in each reference, 0.5 to 6 Hz, and an independent random-phase multisine per
+    motor.
+    """
     generator = np.random.default_rng([seed, 6])
     t = _clock(duration)
     frequencies = np.geomspace(0.5, 6.0, 6)

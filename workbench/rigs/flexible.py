@@ -1,4 +1,5 @@
-"""Equation of motion of the leg where motors, links and stand move apart: two to six coordinates.
+"""Equation of motion of the leg if motors, links and stand move relative to each other: two to six
+coordinates.
 
 Angles are absolute, from straight down, and the stand's x points the way that a leg at a positive angle does.
 In order: thigh q1, shank q2, and where it moves on its own: motor 1, motor 2, crank, stand x. With c the
@@ -36,7 +37,7 @@ KNEE_PIN = Place(1, (-1.0, 1.0), at_pin=True)
 
 
 class FlexibleLeg:
-    """Links, rotors, couplings and stand of a machine; motor torques and all friction come from outside.
+    """Links, rotors, couplings and stand of a machine, without motor torques and friction.
 
     Attributes:
         size: number of coordinates.
@@ -94,7 +95,7 @@ class FlexibleLeg:
         return self.size - 1
 
     def start(self, q1: float, q2: float) -> Vector:
-        """Coordinates (n,) with motors at `q1`, `q2` [rad] and everything else relaxed behind them."""
+        """Return coordinates (n,) with motors at `q1`, `q2` [rad] and everything else relaxed."""
         q = [0.0] * self.size
         motor1, motor2 = self.motors
         for index, angle in ((THIGH, q1), (motor1, q1), (SHANK, q2), (self._crank, q2), (motor2, q2)):
@@ -102,7 +103,7 @@ class FlexibleLeg:
         return q
 
     def direction(self, at: Place) -> tuple[float, ...]:
-        """A place's direction (n,): in the drive that of its motor, at a pin that of the links."""
+        """Return the direction of a place (n,): of its motor for a drive, of the links for a pin."""
         vector = [0.0] * self.size
         first, second = (THIGH, SHANK) if at.at_pin else self.motors
         vector[first] += at.direction[0]
@@ -110,7 +111,7 @@ class FlexibleLeg:
         return tuple(vector)
 
     def meet(self, q: Vector, v: Vector) -> None:
-        """Settle which flanks touch until the next call: those that are bent, and those just reached."""
+        """Set which flanks touch until the next call: those that are bent, and those just reached."""
         for k, (front, back, coupling) in enumerate(self._couplings):
             if coupling.gap:
                 wind, rate, half = q[front] - q[back], v[front] - v[back], 0.5 * coupling.gap
@@ -119,11 +120,11 @@ class FlexibleLeg:
                 self._shifts[k] = copysign(half, wind)
 
     def gaps(self) -> list[tuple[int, int, float]]:
-        """Backlash as the coordinates in front of it and behind it, and half its gap [rad]."""
+        """Return gaps as the coordinates before and behind them, and half of the gap [rad]."""
         return [(front, back, 0.5 * c.gap) for front, back, c in self._couplings if c.gap]
 
     def energy(self, q: Vector, v: Vector) -> float:
-        """Kinetic and potential energy [J], springs included."""
+        """Return kinetic and potential energy [J], including springs."""
         mass = np.linalg.inv(np.array([self.give(q, list(unit)) for unit in np.eye(self.size)]))
         kinetic = 0.5 * float(np.array(v) @ mass @ np.array(v))
         rest, linkage = self._rest, self._linkage
@@ -137,7 +138,7 @@ class FlexibleLeg:
         return kinetic - height + springs
 
     def fastest(self, springs: list[tuple[tuple[float, ...], float]]) -> float:
-        """Largest rate of any mode about a stretched leg, with every gap closed [1/s].
+        """Return the largest rate of any mode around a stretched leg, with every gap closed [1/s].
 
         Args:
             springs: further stiffnesses as direction (n,) and [N m/rad].

@@ -1,4 +1,4 @@
-"""Dry friction with true sticking: at zero slip speed the torque is whatever holds, up to the static limit.
+"""Dry friction with true stiction: at zero slip speed the torque is what holds, up to the static limit.
 
 Karnopp's model with the zero crossings located instead of a band around zero speed (D. Karnopp, Computer
 simulation of stick-slip friction in mechanical dynamic systems, J. Dyn. Sys. Meas. Control 107, 1985).
@@ -35,7 +35,7 @@ class Friction:
 
 
 def merged(frictions: Sequence[Friction]) -> tuple[Friction, ...]:
-    """Frictions of one direction as one, whose level is their sum.
+    """Return the frictions of one direction as one with the sum of their levels.
 
     Raises:
         SimulationError: more than two directions are left.

@@ -1,4 +1,4 @@
-"""Effects that the virtual leg can hide: what each does to the machine.
+"""Effects that the virtual leg can hide, and how each changes the machine.
 
 Names and keys are those of the catalogue, the equations are written anew: an effect simulated by the lines
 that later explain it would prove nothing. Outsiders are what no catalogue entry explains.
@@ -26,7 +26,7 @@ from .unfit import unfit
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """A physical effect that the rig has and the nominal model has not.
+    """A physical effect of the rig that the nominal model does not contain.
 
     Attributes:
         effect: a name of `EFFECTS` or `OUTSIDERS`.
@@ -63,12 +63,12 @@ class HiddenEffect:
 
     @property
     def key(self) -> EffectKey:
-        """What a finding calls it: at the hip the pin and the drive are one place, the drive."""
+        """Return the name in a finding: at the hip, pin and drive are the same place, the drive."""
         return EffectKey(self.effect, self.axis, "actuator" if self.axis == "hip" else self.location)
 
     @property
     def place(self) -> Place:
-        """Where it acts; the first motor where the effect has no axis."""
+        """Return where it acts; the first motor if the effect has no axis."""
         at_pin = self.location == "joint"
         if self.axis != "knee":
             return Place(0, (1.0, 0.0), at_pin)  # the hip pin turns with motor 1
@@ -76,7 +76,7 @@ class HiddenEffect:
 
 
 def install(effect: HiddenEffect, machine: Machine) -> None:
-    """Puts `effect` into `machine`.
+    """Add `effect` to `machine`.
 
     Raises:
         InputError: a parameter is missing or unknown.

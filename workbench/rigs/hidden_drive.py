@@ -24,7 +24,7 @@ def command_delay(machine: Machine, at: Place, *, time: float) -> None:
 
 def current_loop_lag(machine: Machine, at: Place, *, time_constant: float) -> None:
     """First-order lag ahead of the torque sensor."""
-    once(machine.lag[at.index], "current-loop lag a motor")
+    once(machine.lag[at.index], "current-loop lag per motor")
     machine.lag[at.index] = time_constant
 
 
@@ -35,7 +35,7 @@ def torque_saturation(machine: Machine, at: Place, *, limit: float) -> None:
 
 def speed_torque_limit(machine: Machine, at: Place, *, stall_torque: float, no_load_speed: float) -> None:
     """The drive clips at stall_torque (1 - w / no_load_speed) driving, at stall_torque braking."""
-    once(machine.speed_limit[at.index], "speed limit a motor")
+    once(machine.speed_limit[at.index], "speed limit per motor")
     machine.speed_limit[at.index] = SpeedLimit(stall_torque, no_load_speed)
 
 

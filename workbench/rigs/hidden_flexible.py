@@ -26,7 +26,7 @@ def _couple(machine: Machine, at: Place, coupling: Coupling) -> None:
 
 def base_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float, mass: float) -> None:
     """The stand, of this mass without the leg, slides along x on a spring and a damper."""
-    once(machine.base, "stand that gives way")
+    once(machine.base, "compliant stand")
     machine.base = Base(stiffness, damping, mass)
 
 

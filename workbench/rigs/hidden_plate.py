@@ -1,4 +1,4 @@
-"""Hidden effects of what the foot stands on."""
+"""Hidden effects of the ground under the foot."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .standing_leg import Plate
 
 
 def contact_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float) -> None:
-    """The plate gives way: stiffness times depth and damping times its rate."""
+    """A compliant plate: stiffness times depth and damping times its rate."""
     plate = _plate(machine)
     plate.stiffness, plate.damping = stiffness, damping
 
 
 def ground_friction(machine: Machine, at: Place, *, coefficient: float) -> None:
-    """The plate holds less, or more."""
+    """Another friction of the plate."""
     _plate(machine).friction = coefficient
 
 

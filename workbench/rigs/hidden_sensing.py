@@ -12,7 +12,7 @@ def sensor_delay(machine: Machine, at: Place, *, time: float) -> None:
 
 def velocity_filter_lag(machine: Machine, at: Place, *, time_constant: float) -> None:
     """The logged velocity, which the controller uses, is first-order filtered."""
-    once(machine.velocity_lag[at.index], "velocity filter a motor")
+    once(machine.velocity_lag[at.index], "velocity filter per motor")
     machine.velocity_lag[at.index] = time_constant
 
 

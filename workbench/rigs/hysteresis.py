@@ -13,7 +13,7 @@ from math import exp
 
 
 class Hysteresis:
-    """Presliding friction at one place; holds its state, so use one a run.
+    """Presliding friction at one place; it stores its state, so use one per run.
 
     Args:
         torque: level f that it reaches in the end [N m].
@@ -26,20 +26,20 @@ class Hysteresis:
         self._position, self._state = 0.0, 0.0
 
     def start(self, position: float) -> None:
-        """Relaxed at this position [rad]."""
+        """Start relaxed at this position [rad]."""
         self._position, self._state = position, 0.0
 
     def state(self, position: float) -> float:
-        """z [1] at a position [rad] that the slip has reached without turning round."""
+        """Return z [1] at a position [rad] that was reached without a reversal."""
         moved = position - self._position
         if moved >= 0.0:
             return 1.0 - (1.0 - self._state) * exp(-self._rate * moved)
         return -1.0 + (1.0 + self._state) * exp(self._rate * moved)
 
     def torque(self, position: float, speed: float) -> float:
-        """-f z [N m]."""
+        """Return -f z [N m]."""
         return -self._level * self.state(position)
 
     def settle(self, position: float) -> None:
-        """Makes this position the one from which the slip goes on, either way."""
+        """Start the next slip from this position, in either direction."""
         self._position, self._state = position, self.state(position)

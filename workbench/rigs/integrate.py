@@ -1,4 +1,4 @@
-"""Integrates the leg through one stretch of constant motor torque, stick and slip included.
+"""Integrates the leg through one stretch of constant motor torque, including stick and slip.
 
 Two coordinates are too few for numpy to pay off, so this is plain float code: RK4 with the mode of every
 dry friction (sticking, or sliding one way) fixed within a step. A slip speed that changes sign ends the step
@@ -19,7 +19,7 @@ _MAX_EVENTS = 30  # in one step; more is chatter, which sticks
 
 
 class Integrator:
-    """The leg with actuators: holds the stick-slip modes between calls, so use one a run.
+    """The leg with actuators; it stores the stick-slip modes between calls, so use one per run.
 
     Args:
         structure: inertia and gravity of links, rotors included.
@@ -42,16 +42,18 @@ class Integrator:
 
     @staticmethod
     def start(q1: float, q2: float) -> State:
-        """The state at rest at motor angles `q1`, `q2` [rad]."""
+        """Return the state at rest at motor angles `q1`, `q2` [rad]."""
         return q1, q2, 0.0, 0.0
 
     @staticmethod
     def motors(state: State) -> tuple[float, float, float, float]:
-        """Angles [rad] and speeds [rad/s] of the motors: with rigid drives, the state itself."""
+        """Return angles [rad] and speeds [rad/s] of the motors: with rigid drives, the state itself."""
         return state
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
-        """The state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and bias)."""
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and
+        bias).
+        """
         steps = max(1, int(duration / STEP + 0.999999))
         h = duration / steps
         if not self._frictions:

@@ -1,4 +1,4 @@
-"""Integrates a leg that needs more coordinates or a memory: compliance, backlash, a soft stand, hysteresis.
+"""Integrates a leg with more coordinates or a memory: compliance, backlash, soft stand, hysteresis.
 
 As `integrate` does, RK4 with the mode of every dry friction fixed within a step and the step cut where a slip
 turns round; it is cut too where a backlash meets a flank and where a hysteresis turns back, so that every
@@ -31,7 +31,7 @@ _MAX_EVENTS = 40  # in one step
 
 
 class FlexibleIntegrator:
-    """The leg with actuators; holds modes and memories between calls, so use one a run.
+    """The leg with actuators; it stores modes and memories between calls, so use one per run.
 
     Args:
         machine: its mechanical parts.
@@ -85,19 +85,19 @@ class FlexibleIntegrator:
         return step
 
     def start(self, q1: float, q2: float) -> State:
-        """At rest with the motors at `q1`, `q2` [rad] and nothing wound up."""
+        """Return the state at rest with the motors at `q1`, `q2` [rad] and relaxed springs."""
         q = self.leg.start(q1, q2)
         for along, memory in self._memories:
             memory.start(along.read(q))
         return q, [0.0] * self.leg.size
 
     def motors(self, state: State) -> tuple[float, float, float, float]:
-        """Angles [rad] and speeds [rad/s] of the motors, where the encoders are."""
+        """Return angles [rad] and speeds [rad/s] of the motors."""
         (first, second), (q, v) = self.leg.motors, state
         return q[first], q[second], v[first], v[second]
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
-        """The state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and bias)."""
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m], after gain and bias."""
         outside = [0.0] * self.leg.size
         outside[self.leg.motors[0]] += u1
         outside[self.leg.motors[1]] += u2

@@ -1,4 +1,4 @@
-"""The reference leg's SDF with links that came out longer, or with a heavier shank.
+"""The SDF of the reference leg with longer links, or with a heavier shank.
 
 A length error moves pins, not mass: every mass, mass centre (from the link's own upper pin) and central
 inertia stays. On the thigh the distance hip to knee grows, and the coupler with it, so that opposite sides of
@@ -23,7 +23,7 @@ _INERTIAS = ("mass", "inertia/ixx", "inertia/iyy", "inertia/izz")
 
 @contextmanager
 def leg_file(longer: tuple[float, float] = (0.0, 0.0), shank: float = 1.0) -> Iterator[Path]:
-    """An SDF file of the leg; it is gone after the ``with``.
+    """Write an SDF file of the leg; it is deleted at the end of the ``with`` block.
 
     Args:
         longer: by how much thigh and shank are longer than nominal [m].
@@ -50,7 +50,7 @@ def leg_file(longer: tuple[float, float] = (0.0, 0.0), shank: float = 1.0) -> It
 
 
 def leg_mass() -> float:
-    """Mass of all links of the reference leg [kg]."""
+    """Return the mass of all links of the reference leg [kg]."""
     return sum(float(mass.text or "") for mass in ElementTree.parse(closed_chain_file("leg")).iter("mass"))
 
 

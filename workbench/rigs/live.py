@@ -1,4 +1,4 @@
-"""Virtual hardware that is driven from outside, row by row: a leg, or a lone actuator.
+"""Virtual hardware that is driven from outside, row by row: a leg, or a single actuator.
 
 A row is one cycle of a drive's control, short against any loop. The delay T_d of the reference leg is that
 of the loop around it, which a loop over a bus makes itself: it is left out. What an effect adds to it stays.
@@ -30,20 +30,20 @@ Look = tuple[float, float, float]
 
 
 class Plant(Protocol):
-    """Motors and what hangs on them; torques and looks in actuator coordinates."""
+    """Motors and their load; torques and readings in actuator coordinates."""
 
     axes: int
 
     def look(self) -> list[Look]:
-        """What encoders and current sensors show now, one per axis."""
+        """Return the present readings of encoders and current sensors, one per axis."""
         ...
 
     def command(self, torque: Sequence[float]) -> None:
-        """The torques of the row that begins [N m], so that a look shows them."""
+        """Set the torques of the row that begins [N m], so that readings show them."""
         ...
 
     def advance(self) -> None:
-        """One row."""
+        """Simulate one row."""
         ...
 
 
@@ -89,7 +89,7 @@ class LiveLeg:
         self._shown = self._measure()
 
     def look(self) -> list[Look]:
-        """What encoders and current sensors show now."""
+        """Return the present readings of encoders and current sensors."""
         q1, q2, w1, w2 = self._shown
         s, (t1, t2) = self._sensors, self._drive.torque
         if s.encoder:
@@ -99,11 +99,11 @@ class LiveLeg:
         return [(q1, w1, t1 + s.torque_noise * n[2]), (q2, w2, t2 + s.torque_noise * n[3])]
 
     def command(self, torque: Sequence[float]) -> None:
-        """The torques of the row that begins, so that a look shows them."""
+        """Set the torques of the row that begins, so that readings show them."""
         self._drive.command((torque[0], torque[1]))
 
     def advance(self) -> None:
-        """One row.
+        """Simulate one row.
 
         Raises:
             SimulationError: the leg ran away.
@@ -125,7 +125,7 @@ class LiveLeg:
 
 
 class LiveShaft:
-    """One actuator with nothing on it, integrated without error; see `LiveLeg`."""
+    """A single actuator without load, integrated exactly; see `LiveLeg`."""
 
     axes = 1
 
@@ -137,7 +137,7 @@ class LiveShaft:
         self._angle = self._speed = self._torque = 0.0
 
     def look(self) -> list[Look]:
-        """What encoder and current sensor show now."""
+        """Return the present readings of encoder and current sensor."""
         s, angle = self._sensors, self._angle
         if s.encoder:
             angle = round(angle / s.encoder) * s.encoder
@@ -145,11 +145,11 @@ class LiveShaft:
         return [(angle, self._speed + s.velocity_noise * n[0], self._torque + s.torque_noise * n[1])]
 
     def command(self, torque: Sequence[float]) -> None:
-        """The torque of the row that begins."""
+        """Set the torque of the row that begins."""
         self._torque = min(max(torque[0], -TORQUE_LIMIT), TORQUE_LIMIT)
 
     def advance(self) -> None:
-        """One row."""
+        """Simulate one row."""
         final, speed = self._torque / self._damping, self._speed
         self._speed = final + (speed - final) * self._decay
         self._angle += final * self._row + (speed - final) * (1.0 - self._decay) * self._lag

@@ -1,4 +1,4 @@
-"""Any machine, driven from outside row by row: what `live.LiveLeg` is for the reference leg."""
+"""Any machine, driven from outside row by row, as `live.LiveLeg` for the reference leg."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class LiveOwn:
         self._unmeasured, self._count = self._disturbed(), 0
 
     def look(self) -> list[Look]:
-        """What encoders and current sensors show now."""
+        """Return the present readings of encoders and current sensors."""
         s, n = self._rig.sensors, self._generator.standard_normal((2, self.axes))
         q, w = self._sensing.look()
         q = np.round(q / s.encoder) * s.encoder if s.encoder else q
@@ -53,11 +53,11 @@ class LiveOwn:
         return [(float(a), float(b), float(c)) for a, b, c in zip(q, w, torque, strict=True)]
 
     def command(self, torque: Sequence[float]) -> None:
-        """The torques of the row that begins, so that a look shows them."""
+        """Set the torques of the row that begins, so that readings show them."""
         self._drives.command(np.array(torque, float))
 
     def advance(self) -> None:
-        """One row.
+        """Simulate one row.
 
         Raises:
             SimulationError: the machine ran away, or left its workspace.

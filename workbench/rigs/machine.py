@@ -1,4 +1,4 @@
-"""The true leg of the rig: all that acts between a reference, a commanded torque, the motion and its log."""
+"""The true leg of the rig: everything between a reference, a commanded torque, the motion and its log."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _ones() -> list[float]:
 
 @dataclass
 class Machine:
-    """What hidden effects change; each list holds one value per motor, in the order of `AXES`.
+    """Everything that hidden effects change; each list holds one value per motor, in the order of `AXES`.
 
     The torque chain reads, in this order: `delay`, `limit` and `speed_limit`, `lag`, (torque sensor),
     `reshaped`, `gain`, `derating`, `bias`, `disturbances`, `frictions` and `passive`, `rotor`, `couplings`,
@@ -139,22 +139,22 @@ class Machine:
 
     @property
     def links(self) -> LegStructure:
-        """Inertia and gravity of everything behind the drives."""
+        """Return inertia and gravity of everything behind the drives."""
         return leg_structure(self.payload, (self.longer[0], self.longer[1])).plus(**vars(self.increment))
 
     @property
     def structure(self) -> LegStructure:
-        """Inertia and gravity with rotors that move as one with the links."""
+        """Return inertia and gravity with rotors rigidly connected to the links."""
         return self.links.plus(m11=self.rotor[0], m22=self.rotor[1])
 
     @property
     def flexible(self) -> bool:
-        """Whether it takes more than two coordinates, or a memory, to say where the leg is."""
+        """Return whether the state needs more than two coordinates, or a memory."""
         return bool(self.couplings or self.hystereses or self.base)
 
 
 def once(taken: object, what: str) -> None:
-    """Refuses a second part where the rig has room for one.
+    """Refuse a second element where the rig has room for one.
 
     Raises:
         SimulationError: `taken` is something already.
@@ -167,7 +167,9 @@ def unmeasured(
     still: Sequence[float], disturbances: Sequence[tuple[int, Disturbance]], time: np.ndarray,
     generator: np.random.Generator,
 ) -> np.ndarray:  # fmt: skip
-    """Torque that no sensor sees at `time` (N,) [s]: `still` (n,) and all disturbances, (N, n) [N m]."""
+    """Return the torque that no sensor sees at `time` (N,) [s]: `still` (n,) and all disturbances, (N,
+    n) [N m].
+    """
     total = np.tile(np.array(still), (len(time), 1))
     for axis, disturbance in disturbances:
         total[:, axis] += disturbance(time, generator)
@@ -175,5 +177,7 @@ def unmeasured(
 
 
 def rows_ahead(disturbances: Sequence[object], row: float) -> np.ndarray:
-    """Middles (N,) of the rows after which a live machine's disturbances repeat [s]; one if none."""
+    """Return midpoints (N,) of the rows after which disturbances of a live machine repeat [s]; one if there
+    are none.
+    """
     return (np.arange(round(_AHEAD / row) if disturbances else 1) + 0.5) * row

@@ -1,4 +1,4 @@
-"""How large a hidden effect has to be to be worth hiding, and how large it may get."""
+"""Smallest and largest sizes of hidden effects."""
 
 from __future__ import annotations
 

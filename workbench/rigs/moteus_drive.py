@@ -1,4 +1,4 @@
-"""A moteus as its bus sees it: registers that frames write and ask for, written from its documentation.
+"""A moteus as seen from its bus: registers that frames write and read, from its documentation.
 
 It shares no code with the codec of the host, so that what both get wrong in the same way is not what they
 agree upon. Of the types it takes all four; it answers in the one that it was asked in.
@@ -44,7 +44,7 @@ class MoteusDrive:
         self._owed: list[list[tuple[int, int]]] = []  # register and type, a list an answer
 
     def asked(self, frame: Frame) -> list[Setpoint | Parameter | str]:
-        """What a frame makes it do; nothing where it is none of its."""
+        """Return what a frame commands the drive; nothing if the frame is not for it."""
         if not (frame.fd and frame.extended) or frame.id & 0x7FFF != self.host_id * 256 + self.id:
             return []
         try:
@@ -72,7 +72,7 @@ class MoteusDrive:
         return [*done, "enable", self._setpoint(mode == _ZERO_VELOCITY)]
 
     def answer(self, feedback: Feedback) -> tuple[Frame, ...]:
-        """What it was asked for, and not more."""
+        """Return the answer to what was asked."""
         mode = _POSITION if feedback.enabled else _STOP
         number = {0: 0, _LOST: 0, _OVERHEATED: _HOT}.get(feedback.fault, feedback.fault)
         if feedback.fault:
@@ -85,7 +85,7 @@ class MoteusDrive:
         return tuple(self._frame(wanted, values) for wanted in owed)
 
     def tell(self, parameter: Parameter) -> Frame:
-        """It tells registers only when a frame asks for them.
+        """Not used: registers are sent only when a frame asks for them.
 
         Raises:
             FrameError: always.
@@ -93,7 +93,7 @@ class MoteusDrive:
         raise FrameError("a moteus answers what it is asked")
 
     def confirm(self, parameter: Parameter) -> None:
-        """Nothing is confirmed."""
+        """Not used: nothing is confirmed."""
 
     def _setpoint(self, damps: bool) -> Setpoint:
         c, r = self._command, self.ranges

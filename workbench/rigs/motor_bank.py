@@ -1,4 +1,4 @@
-"""All drives of a configuration and the machines they turn, worked row by row."""
+"""All drives of a configuration and the machines that they turn, simulated row by row."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OWN = (12.5, 45.0, 25.0)
 
 
 class MotorBank:
-    """Virtual motors: legs on their stands and lone actuators, or one quadruped with its inertial unit.
+    """Virtual motors: legs on their stands and single actuators, or one quadruped with its inertial unit.
 
     A quadruped is held by its stand until all its drives have been on for as long as they start softly.
 
@@ -108,7 +108,8 @@ class MotorBank:
             else:
                 raise InputError(
                     f"'{mechanism.model}' has {len(mechanism.axes)} axes", file=config.source,
-                    column="mechanism.axes", remedy="virtual motors turn legs of two axes, or lone actuators",
+                    column="mechanism.axes",
+                    remedy="virtual motors turn legs of two axes, or single actuators",
                 )  # fmt: skip
             self._plants.append((turned, [self.motors[axis] for axis in mechanism.axes]))
             free = [axis for axis in free if axis not in mechanism.axes]
@@ -117,7 +118,7 @@ class MotorBank:
             self._plants.append((shaft, [self.motors[axis]]))
 
     def respond(self, now: float) -> list[tuple[str, Frame]]:
-        """Answers between rows to what was heard, by what sensors showed last: axis and frame.
+        """Return answers between rows, from the last sensor readings: axis and frame.
 
         Torque changes with the next row.
         """
@@ -133,7 +134,9 @@ class MotorBank:
         return said
 
     def work(self, now: float) -> list[tuple[str, Frame]]:
-        """One row that begins now [s]; returns what motors and inertial unit say: axis (or `IMU`), frame."""
+        """Simulate one row that begins now [s]; return what motors and inertial unit send: axis (or `IMU`),
+        frame.
+        """
         said: list[tuple[str, Frame]] = []
         for plant, motors in self._plants:
             for motor in motors:

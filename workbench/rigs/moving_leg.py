@@ -1,4 +1,4 @@
-"""The leg that moves under its motors' torques, with two coordinates where they are enough: that is fast."""
+"""The leg under its motor torques, with two coordinates where these are enough, which is fast."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from .standing_leg import SHANK, THIGH, Contact, StandingLeg
 
 
 class MovingLeg(Protocol):
-    """An integrator whose state is its own affair; one a run."""
+    """Interface of an integrator, which stores its own state; use one per run."""
 
     def start(self, q1: float, q2: float) -> Any:
-        """The state at rest with the motors at `q1`, `q2` [rad]."""
+        """Return the state at rest with the motors at `q1`, `q2` [rad]."""
         ...
 
     def motors(self, state: Any) -> Motion:
-        """Angles [rad] and speeds [rad/s] of both motors."""
+        """Return angles [rad] and speeds [rad/s] of both motors."""
         ...
 
     def advance(self, state: Any, u1: float, u2: float, duration: float) -> Any:
-        """The state after `duration` [s] under motor torques `u1`, `u2` [N m]."""
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m]."""
         ...
 
 
 def moving_leg(machine: Machine) -> MovingLeg:
-    """The integrator that a machine needs.
+    """Return the integrator that a machine needs.
 
     Raises:
         SimulationError: more than two dry frictions, or a spring too stiff to follow.

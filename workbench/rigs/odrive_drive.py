@@ -1,4 +1,4 @@
-"""An ODrive as its bus sees it: messages of a node, its cascade, endpoints; from its documentation.
+"""An ODrive as seen from its bus: messages of a node, its cascade, endpoints; from its documentation.
 
 It shares no code and no table with the codec of the host; see `moteus_drive`.
 """
@@ -41,7 +41,7 @@ class OdriveDrive:
         self._beat = self._warm = -math.inf
 
     def asked(self, frame: Frame) -> list[Setpoint | Parameter | str]:
-        """What a frame makes it do; nothing where it is none of its."""
+        """Return what a frame commands the drive; nothing if the frame is not for it."""
         if frame.extended or frame.fd or frame.id // 32 != self.id:
             return []
         message, data = frame.id % 32, frame.data
@@ -54,14 +54,14 @@ class OdriveDrive:
             return []
 
     def answer(self, feedback: Feedback) -> tuple[Frame, ...]:
-        """What it was asked for, and not more."""
+        """Return the answer to what was asked."""
         said = [self._say(message, feedback) for message in self._owed]
         self._owed.clear()
         told, self._parameters = self._parameters, []
         return (*(frame for frame in said if frame), *told)
 
     def unasked(self, feedback: Feedback, now: float) -> list[Frame]:
-        """What it says by itself at this time [s]."""
+        """Return the messages that it sends by itself at this time [s]."""
         due = []
         if now - self._beat >= _BEAT - 1e-9:
             self._beat = now
@@ -72,7 +72,7 @@ class OdriveDrive:
         return [frame for frame in due if frame]
 
     def tell(self, parameter: Parameter) -> Frame:
-        """It tells endpoints only when a frame asks for them.
+        """Not used: endpoints are sent only when a frame asks for them.
 
         Raises:
             FrameError: always.
@@ -80,7 +80,7 @@ class OdriveDrive:
         raise FrameError("an odrive answers what it is asked")
 
     def confirm(self, parameter: Parameter) -> None:
-        """Nothing is confirmed."""
+        """Not used: nothing is confirmed."""
 
     def _obey(self, message: int, data: bytes) -> list[Setpoint | Parameter | str]:
         match message:

@@ -1,4 +1,4 @@
-"""Draws what a machine of one's own hides, of a size that its own torque and motion make visible."""
+"""Draws a hidden effect for any machine, with a size that its torque and motion make visible."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ _PLAIN = (
 
 
 def draw_own(machine: OwnMachine, clean: Recording, seed: int) -> HiddenIn:
-    """One effect at one drive, of a size that the clean run's torque and motion make plainly visible.
+    """Return one effect at one drive, with a size that is clearly visible in torque and motion of the
+    clean run.
 
     Args:
         machine: where it will be.

@@ -1,4 +1,4 @@
-"""The drives of any machine from command to the torque on their rotors, in pieces of a row."""
+"""The drives of any machine, from command to the torque on their rotors, in pieces of a row."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from .own_machine import OwnMachine
 
 
 class OwnDrives:
-    """Delay, limits, current-loop lag (here torque is measured), what reshapes it, gain, heat and bias.
+    """Delay, limits, current-loop lag (here the torque is measured), nonlinear stages, gain, heat and
+    bias.
 
     A delay need not be whole pieces: over the piece in which a command changes, the mean acts.
 
@@ -35,17 +36,19 @@ class OwnDrives:
         self._reshape = [(axis, make(generator)) for axis, make in machine.reshaped]
 
     def command(self, torque: np.ndarray) -> None:
-        """The torques asked for (n,) over the piece that begins."""
+        """Set the commanded torques (n,) over the piece that begins."""
         self._pending.append(np.clip(torque, -self._limit, self._limit))
         self._pending.pop(0)
 
     def measured(self, speed: np.ndarray) -> np.ndarray:
-        """What torque sensors see as the piece begins (n,), the rotors at `speed` (n,) [rad/s]."""
+        """Return readings of the torque sensors as the piece begins (n,), with rotors at `speed` (n,)
+        [rad/s].
+        """
         target = self._within(self._pending[0 if self._old else 1], speed)
         return np.where(self._kept > 0.0, self._current, target)
 
     def acting(self, speed: np.ndarray, unmeasured: np.ndarray) -> np.ndarray:
-        """Torque on the rotors (n,), the mean over the piece; `unmeasured` (n,) is added behind all else."""
+        """Return the mean torque on the rotors over the piece (n,); `unmeasured` (n,) is added at the end."""
         mean = self._old * self._pending[0] + (1.0 - self._old) * self._pending[1]
         target, m = self._within(mean, speed), self._machine
         before = self._current

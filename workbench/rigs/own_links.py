@@ -1,4 +1,4 @@
-"""Links of any mechanism in the coordinates of its drives, from the closed chain in Drake."""
+"""Links of any mechanism in drive coordinates, from the closed chain in Drake."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .own_machine import OwnMachine
 
 
 class OwnLinks:
-    """Mass, forces and serial joints at a posture of the drives.
+    """Mass, forces and serial joints at drive positions.
 
     Args:
         machine: its mechanism, payload and rotors on joints.
@@ -28,7 +28,8 @@ class OwnLinks:
         self.units = self._chain.units
 
     def start(self, joints: np.ndarray | None) -> np.ndarray:
-        """Drive positions (n,) at serial positions `joints` (n,), or where the mechanism was assembled.
+        """Return drive positions (n,) at serial positions `joints` (n,), or where the mechanism was
+        assembled.
 
         Raises:
             SimulationError: the loops cannot be closed there.
@@ -38,13 +39,13 @@ class OwnLinks:
         return self._chain.start[0] if joints is None else self._chain.drive_position(joints)
 
     def joints(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Serial positions (n,) and d q_s / d q_p (n, n) at drive positions `q` (n,)."""
+        """Return serial positions (n,) and d q_s / d q_p (n, n) at drive positions `q` (n,)."""
         if self._back is not None:
             return self._back @ q, self._back
         return self._chain.serial_slope(q)
 
     def at(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Mass (n, n) and the torque of gravity and of velocity terms (n,) at `q`, `v` (n,).
+        """Return mass (n, n) and the torque of gravity and velocity terms (n,) at `q`, `v` (n,).
 
         Raises:
             SimulationError: the loops cannot be closed, or are at a dead point.
@@ -62,7 +63,7 @@ class OwnLinks:
 
 
 def reachable(links: OwnLinks, joints: np.ndarray, name: str) -> np.ndarray:
-    """Drive positions at a reference's first row.
+    """Return drive positions at the first row of a reference.
 
     Raises:
         SimulationError: the mechanism cannot be there; says of which machine.

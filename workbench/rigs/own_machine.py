@@ -1,4 +1,4 @@
-"""Virtual hardware of any mechanism: what its links, drives and sensors are, and what is hidden in it.
+"""Virtual hardware of any mechanism: its links, drives and sensors, and hidden effects.
 
 Fields that hidden effects change have the names of `machine.Machine`, so that what an effect does is written
 once for the reference leg and for any other machine.
@@ -90,11 +90,11 @@ class OwnMachine:
 
     @property
     def size(self) -> int:
-        """Number of drives n."""
+        """Return the number of drives n."""
         return len(self.axes)
 
     def place(self, axis: str | None, location: str) -> Place:
-        """Where an effect of this axis acts; the first drive where it has none.
+        """Return where an effect of this axis acts; the first drive if it has no axis.
 
         Raises:
             InputError: the machine has no such axis or place.
@@ -110,7 +110,7 @@ class OwnMachine:
 
 @dataclass(frozen=True)
 class HiddenIn:
-    """An effect that a machine of the user's own has beyond its model; as `hidden.HiddenEffect`."""
+    """An effect of the user's own machine that its model does not contain; as `hidden.HiddenEffect`."""
 
     effect: str
     axis: str | None = None
@@ -119,7 +119,7 @@ class HiddenIn:
 
 
 def hide(effect: HiddenIn, machine: OwnMachine) -> None:
-    """Puts `effect` into `machine`.
+    """Add `effect` to `machine`.
 
     Raises:
         InputError: this hardware cannot hide it, or has no such place, or its parameters do not fit.

@@ -1,4 +1,4 @@
-"""How any machine moves under the torques of its drives: links, rotors behind springs and gaps, dry friction.
+"""Motion of any machine under its drive torques: links, rotors behind springs and gaps, dry friction.
 
 Time goes in short pieces. Mass and forces are taken in the middle of each (second order), the drives' damping
 is implicit, and dry friction acts as impulses that stop a pin or leave it sticking: each no larger than its
@@ -26,7 +26,7 @@ _PARTS = 8
 
 @dataclass
 class OwnState:
-    """Where a machine is: links in drive coordinates, and the rotors, which lead them where springs are.
+    """State of a machine: links in drive coordinates, and rotors where springs are.
 
     `q`, `v`: (n,) of the links; `motor`, `speed`: (n,) of the rotors, the same where nothing lies between.
     """
@@ -38,7 +38,7 @@ class OwnState:
 
 
 class OwnMotion:
-    """Moves a machine on from state to state.
+    """Integrator of a machine.
 
     Args:
         machine: with all that is hidden in it.
@@ -61,11 +61,11 @@ class OwnMotion:
         self._acceleration = np.zeros(self._wide)
 
     def start(self, q: np.ndarray) -> OwnState:
-        """At rest at drive positions `q` (n,), every gap in its middle."""
+        """Return the state at rest at drive positions `q` (n,), every gap in its middle."""
         return OwnState(q.copy(), np.zeros(self._n), q.copy(), np.zeros(self._n))
 
     def advance(self, state: OwnState, torque: np.ndarray) -> OwnState:
-        """One piece on, with torques (n,) on the rotors [N m].
+        """Return the state after one piece, with torques (n,) on the rotors [N m].
 
         Raises:
             SimulationError: the mechanism leaves its workspace.
@@ -185,6 +185,6 @@ def _step(
 
 
 def refuse_runaway(state: OwnState, time: float, name: str) -> None:
-    """Raises SimulationError where the machine is faster than any is."""
+    """Raise a SimulationError if the machine is faster than any real one."""
     if not np.abs(state.speed).max() < 1e3:
         raise SimulationError(f"{name} ran away at {time:.3f} s")

@@ -1,4 +1,4 @@
-"""A machine of the user's own as virtual hardware: controlled by its loop, logged by its sensors."""
+"""The user's own machine as virtual hardware: with its loop and its sensors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PIECE, _FINE = 0.5e-3, 0.25e-3  # s, at most; with springs and gaps the finer
 
 @dataclass(frozen=True)
 class OwnExperiment:
-    """One run: what is asked of n axes, row by row.
+    """One run: commands for n axes, row by row.
 
     Attributes:
         name: of the recording.
@@ -65,7 +65,7 @@ class OwnRig:
         self.links = OwnLinks(machine)
 
     def run(self, experiment: OwnExperiment, number: int = 0) -> Recording:
-        """Makes one experiment.
+        """Run one experiment, and return its recording.
 
         Raises:
             InputError: the loop's period is no whole number of rows, or the loop has no reference.
@@ -144,7 +144,7 @@ _LOGGED = ("position", "velocity", "torque_command", "torque_measured")
 
 
 class Sensing:
-    """What encoders and speeds show: late, filtered, and with an encoder's own errors."""
+    """Readings of encoders and speeds: delayed, filtered, and with encoder errors."""
 
     def __init__(self, machine: OwnMachine, piece: float, motor: np.ndarray) -> None:
         self._machine, self._piece = machine, piece
@@ -154,14 +154,14 @@ class Sensing:
         self._filtered = np.zeros(len(motor))
 
     def see(self, motor: np.ndarray, speed: np.ndarray) -> None:
-        """Where the rotors are as a piece ends."""
+        """Store where the rotors are at the end of a piece."""
         shown = np.array([_read(e, q, w)[1] for e, q, w in zip(self._encoders, motor, speed, strict=True)])
         self._filtered = shown + (self._filtered - shown) * self._kept
         self._past.append((motor.copy(), np.where(self._kept > 0.0, self._filtered, shown)))
         self._past.pop(0)
 
     def look(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions and speeds (n,) as the log has them, noise and resolution apart."""
+        """Return positions and speeds (n,) as in the log, without noise and resolution."""
         whole = int(self._back)
         part = self._back - whole
         (q0, w0), (q1, w1) = (

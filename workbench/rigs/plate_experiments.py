@@ -1,4 +1,4 @@
-"""What the leg on a force plate is asked to do: press, step and slide, as paths of the foot.
+"""Experiments of the leg on a force plate: press, step and slide, as paths of the foot.
 
 The reference goes below the plate, so that the loop presses the foot on it.
 """
@@ -14,7 +14,9 @@ from .standing_leg import Plate, reach
 
 
 def plate_experiments(seed: int = 0, duration: float = 2.0) -> tuple[Experiment, ...]:
-    """Press, step, slide, and a mixture to judge by; each of `duration` [s]; `seed` draws the mixture."""
+    """Return press, step, slide, and a mixture for testing; each of `duration` [s]; `seed` draws the
+    mixture.
+    """
     t = np.arange(round(duration / ROW_PERIOD)) * ROW_PERIOD
     ease = np.clip(t / 0.3, 0.0, 1.0) ** 2 * (3.0 - 2.0 * np.clip(t / 0.3, 0.0, 1.0))
     wave = 2.0 * np.pi * t

@@ -27,7 +27,7 @@ _G = 9.81  # m/s^2
 
 
 def quadruped_mechanism() -> Mechanism:
-    """The reference quadruped with abduction: 12 drives, four loops."""
+    """Return the reference quadruped with abduction: 12 drives, four loops."""
     own = ("abduction", "hip", "crank_pin"), ("abduction", "hip", "knee")
     drives, joints = (tuple(f"{leg}_{name}" for leg in LEGS for name in names) for names in own)
     loops = tuple((f"{leg}_coupler_end", f"{leg}_rear_arm_end") for leg in LEGS)
@@ -65,12 +65,12 @@ class LiveQuadruped:
 
     @property
     def pose(self) -> np.ndarray:
-        """Of the trunk (7,), as it truly is: quaternion w x y z, position [m]."""
+        """Return the true pose of the trunk (7,): quaternion w x y z, position [m]."""
         return self._chain.base
 
     @property
     def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the trunk, in its own frame, as it truly is, (3,) each.
+        """Return the true motion of the trunk in its own frame, (3,) each.
 
         Direction of gravity, linear [m/s] and angular velocity [rad/s].
         """
@@ -80,7 +80,7 @@ class LiveQuadruped:
         return turn @ np.array([0.0, 0.0, -1.0]), turn @ rate[3:], turn @ rate[:3]
 
     def look(self) -> list[Look]:
-        """What encoders and current sensors show now."""
+        """Return the present readings of encoders and current sensors."""
         s, q = self._sensors, self._chain.position
         if s.encoder:
             q = s.encoder * np.round(q / s.encoder)
@@ -89,7 +89,8 @@ class LiveQuadruped:
         return list(zip(q.tolist(), w.tolist(), t.tolist(), strict=True))
 
     def feel(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What the inertial unit shows now (3,): angular velocity [rad/s], where down is, force per weight.
+        """Return the present readings of the inertial unit (3,): angular velocity [rad/s], gravity
+        direction, force per weight.
 
         The force is the mean since it was last asked, as of a unit that filters for its own rate.
         """
@@ -98,11 +99,11 @@ class LiveQuadruped:
         return angular + GYRO_NOISE * noise[0], gravity + GRAVITY_NOISE * noise[1], self._carried(gravity)
 
     def push(self, roll: float, lift: float = 0.0) -> None:
-        """Somebody hits it: the trunk rolls at once by so much more [rad/s], and leaves the ground [m/s]."""
+        """Hit the robot: change the roll rate [rad/s] and the upward speed [m/s] of the trunk at once."""
         self._chain.kick(np.array([roll, 0.0, 0.0, 0.0, 0.0, lift]))
 
     def lay(self, roll: float, height: float) -> None:
-        """Puts it down otherwise: its trunk rolled [rad], so high above the ground [m], at rest."""
+        """Place the robot: trunk rolled [rad], at a height above the ground [m], at rest."""
         half = 0.5 * roll
         pose = np.array([np.cos(half), np.sin(half), 0.0, 0.0, 0.0, 0.0, height])
         self._chain.reset(self._chain.position, base=pose)
@@ -117,11 +118,11 @@ class LiveQuadruped:
         return turned / _G - gravity + FORCE_NOISE * self._generator.standard_normal(3)
 
     def command(self, torque: Sequence[float]) -> None:
-        """The torques of the row that begins [N m]."""
+        """Set the torques of the row that begins [N m]."""
         self._torque = np.clip(np.array(torque), -TORQUE_LIMIT, TORQUE_LIMIT)
 
     def advance(self) -> None:
-        """One row.
+        """Simulate one row.
 
         Raises:
             SimulationError: the robot ran away.

@@ -1,4 +1,5 @@
-"""Experiments for what the demo's six do not show: presliding, limits, heat, cogging, gravity over the range.
+"""Experiments for effects that the six of the demo do not show: presliding, limits, heat, cogging, gravity
+over the range.
 
 They too start at rest in the hold posture and keep the joints off their stops.
 """
@@ -25,7 +26,7 @@ NEEDS: Mapping[str, Callable[[], Experiment]] = MappingProxyType(
 
 
 def experiments_for(effects: Collection[str], seed: int = 0) -> tuple[Experiment, ...]:
-    """The demo's experiments, and those without which one of these effects would not show.
+    """Return the experiments of the demo, and those without which one of these effects would not show.
 
     Args:
         effects: names of what is hidden.
@@ -36,7 +37,7 @@ def experiments_for(effects: Collection[str], seed: int = 0) -> tuple[Experiment
 
 
 def revealing_experiments() -> tuple[Experiment, ...]:
-    """All of them with their own lengths, 155 s in all."""
+    """Return all of them with their own lengths, 155 s in all."""
     return (range_sweep(), dither(), steps(), speed_ladder("hip"), speed_ladder("knee"), work_and_rest())
 
 

@@ -1,4 +1,4 @@
-"""What the encoders show of the motion before noise and rounding: late, bent, filtered.
+"""Readings of the encoders before noise and rounding: delayed, nonlinear, filtered.
 
 Position and velocity are those of the motors a delay ago. The encoder maps position, and velocity by the
 slope of that map; then the velocity passes its filter.
@@ -40,7 +40,7 @@ class Sensing:
         self.true = self._straight and not self._filtered and not whole
 
     def measure(self, seen: Motion) -> Motion:
-        """What the row shows, of the motion where the sensors looked last; call once a row."""
+        """Return the reading of the row from the last sampled motion; call once per row."""
         if self._late:
             self._late.append(seen)
             seen = self._late.popleft()
@@ -60,7 +60,7 @@ class Sensing:
 def cut(
     pieces: Iterable[tuple[float, float, float]], at: float
 ) -> Iterator[tuple[float, float, float, bool]]:
-    """Pieces of a row (two torques and a duration [s]), one of them cut in two where the sensors look.
+    """Return pieces of a row (two torques and a duration [s]), one of them divided at the sampling time.
 
     Args:
         pieces: as the drive gives them.

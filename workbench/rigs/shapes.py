@@ -1,4 +1,4 @@
-"""An effect of one magnitude: which parameters it then has."""
+"""Parameters of an effect of a given magnitude."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .magnitudes import Seat
 
 
 def hidden_effect(seat: Seat, magnitude: float, generator: np.random.Generator | None = None) -> HiddenEffect:
-    """An effect of one magnitude: the first parameter below, by which the others scale.
+    """Return an effect of one magnitude: the first parameter below, which scales the others.
 
     Args:
         seat: effect, axis and location.

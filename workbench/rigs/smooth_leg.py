@@ -14,7 +14,7 @@ PassiveTorque = Callable[[float, float, float, float], tuple[float, float]]
 
 
 def passive_torque(passive: Passive) -> PassiveTorque:
-    """What a smooth torque at one place is in actuator coordinates."""
+    """Return a smooth torque at one place in actuator coordinates."""
     (d1, d2), law = passive.at.direction, passive.law
     f1, f2 = passive.feels or passive.at.direction
 
@@ -28,7 +28,9 @@ def passive_torque(passive: Passive) -> PassiveTorque:
 def smooth_acceleration(
     structure: LegStructure, damping: tuple[float, float], passive: tuple[PassiveTorque, ...]
 ) -> Callable[[float, float, float, float, float, float], tuple[float, float]]:
-    """Acceleration without dry friction as one closure over plain floats, because it runs a million times."""
+    """Return the acceleration without dry friction as one closure over plain floats, because it runs a
+    million times.
+    """
     m11, m12, m22, g1, g2 = structure.m11, structure.m12, structure.m22, structure.g1, structure.g2
     b1, b2 = damping
     diagonal = m11 * m22
@@ -50,7 +52,7 @@ def smooth_acceleration(
 
 
 def rk4(rate: Callable, state: State, u1: float, u2: float, h: float) -> State:
-    """One classical Runge-Kutta step of length `h` [s]."""
+    """Return the state after one classical Runge-Kutta step of length `h` [s]."""
     q1, q2, v1, v2 = state
     half = 0.5 * h
     a1, a2 = rate(q1, q2, v1, v2, u1, u2)

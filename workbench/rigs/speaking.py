@@ -1,4 +1,4 @@
-"""How virtual drives speak: the codec's own other side, or one that shares no code with it."""
+"""Messages of virtual drives: the other side of the codec, or code that shares nothing with it."""
 
 from __future__ import annotations
 
@@ -12,42 +12,44 @@ from .odrive_drive import OdriveDrive
 
 
 class Speaker(Protocol):
-    """What a drive hears and says."""
+    """Interface of a virtual drive on its bus."""
 
     @property
     def name(self) -> str:
-        """Of the protocol."""
+        """Return the name of the protocol."""
         ...
 
     @property
     def ranges(self) -> Ranges:
-        """What it is configured with."""
+        """Return its configured ranges."""
         ...
 
     @property
     def parameters(self) -> Sequence[str]:
-        """What can be read from it."""
+        """Return the parameters that can be read."""
         ...
 
     def asked(self, frame: Frame) -> Any:
-        """What a frame asks: a setpoint, an action, a parameter, a look; one, several, or nothing."""
+        """Return what a frame asks: a setpoint, an action, a parameter, a reading; one, several, or
+        nothing.
+        """
         ...
 
     def answer(self, feedback: Feedback) -> Frame | tuple[Frame, ...]:
-        """What it says of itself when it was asked."""
+        """Return its feedback."""
         ...
 
     def tell(self, parameter: Parameter) -> Frame:
-        """The answer to a parameter that was asked for."""
+        """Return the answer to a read parameter."""
         ...
 
     def confirm(self, parameter: Parameter) -> Frame | None:
-        """The answer to a parameter that was written."""
+        """Return the answer to a written parameter."""
         ...
 
 
 def side_of(motor: MotorTable, own: tuple[float, float, float] | None = None) -> Speaker:
-    """The virtual drive of a motor.
+    """Return the virtual drive of a motor.
 
     Args:
         motor: what is configured.
@@ -65,10 +67,10 @@ def side_of(motor: MotorTable, own: tuple[float, float, float] | None = None) ->
 
 
 def things(asked: Any) -> list[Any]:
-    """What one frame asks, as a list."""
+    """Return what one frame asks, as a list."""
     return asked if isinstance(asked, list) else [] if asked is None else [asked]
 
 
 def unasked(side: Speaker, feedback: Feedback, now: float) -> list[Frame]:
-    """What a drive says by itself, if it is one that does."""
+    """Return what a drive sends by itself, if it does so."""
     return side.unasked(feedback, now) if isinstance(side, OdriveDrive) else []

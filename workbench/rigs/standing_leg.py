@@ -52,7 +52,7 @@ class Contact:
         self._anchor: float | None = None
 
     def force(self, q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        """Of the plate on the foot, along it and up [N]."""
+        """Return the force of the plate on the foot, along it and up [N]."""
         x, z, dx, dz = self._foot(q1, q2, v1, v2)
         plate = self._plate
         depth = plate.height + plate.radius - z
@@ -65,7 +65,9 @@ class Contact:
         return (held if abs(held) < most else copysign(most, held)), up
 
     def torque(self, q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        """What the force does to the motors [N m]; foot and plate give way alike, so it acts half-way."""
+        """Return the torque of this force on the motors [N m]; foot and plate yield equally, so it acts
+        halfway.
+        """
         along, up = self.force(q1, q2, v1, v2)
         plate = self._plate
         depth = plate.height + plate.radius + self._thigh * cos(q1) + self._shank * cos(q2)
@@ -76,7 +78,7 @@ class Contact:
         )
 
     def settle(self, state: State) -> None:
-        """Takes the anchor along with a foot that slips, and gives it up in the air."""
+        """Move the anchor with a foot that slips, and release it in the air."""
         x, z, dx, _ = self._foot(*state)
         plate = self._plate
         if plate.height + plate.radius - z <= 0.0:
@@ -113,17 +115,17 @@ class StandingLeg:
         self._contact, self._leg = contact, leg
 
     def start(self, q1: float, q2: float) -> State:
-        """The state at rest with the motors at `q1`, `q2` [rad]."""
+        """Return the state at rest with the motors at `q1`, `q2` [rad]."""
         state = self._leg.start(q1, q2)
         self._contact.settle(state)
         return state
 
     def motors(self, state: State) -> tuple[float, float, float, float]:
-        """Angles [rad] and speeds [rad/s] of both motors."""
+        """Return angles [rad] and speeds [rad/s] of both motors."""
         return self._leg.motors(state)
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
-        """The state after `duration` [s] under motor torques `u1`, `u2` [N m]."""
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m]."""
         steps = max(1, int(duration / _STEP + 0.999999))
         for _ in range(steps):
             state = self._leg.advance(state, u1, u2, duration / steps)
@@ -131,13 +133,13 @@ class StandingLeg:
         return state
 
     def ground_force(self, state: State) -> tuple[float, float, float]:
-        """Of the plate on the foot [N]: forward, sideways, up."""
+        """Return the force of the plate on the foot [N]: forward, sideways, up."""
         along, up = self._contact.force(*state)
         return along, 0.0, up
 
 
 def reach(x: float, z: float) -> tuple[float, float]:
-    """Joint angles (hip, knee) [rad] that bring the foot's centre to `x`, `z` [m]."""
+    """Return joint angles (hip, knee) [rad] that bring the centre of the foot to `x`, `z` [m]."""
     alpha = acos((x * x + z * z - THIGH**2 - SHANK**2) / (2 * THIGH * SHANK))
     swing = atan2(x, -z)
     return swing - atan2(SHANK * sin(alpha), THIGH + SHANK * cos(alpha)), alpha

@@ -41,18 +41,18 @@ class LegStructure:
     g2: float
 
     def plus(self, **increments: float) -> LegStructure:
-        """A copy with increments added, e.g. ``plus(m11=0.01)``."""
+        """Return a copy with increments added, e.g. ``plus(m11=0.01)``."""
         values = {name: value + increments.pop(name, 0.0) for name, value in vars(self).items()}
         if increments:
             raise TypeError(f"no such coefficient: {', '.join(increments)}")
         return LegStructure(**values)
 
     def minus(self, other: LegStructure) -> LegStructure:
-        """The difference of two structures."""
+        """Return the difference of two structures."""
         return LegStructure(**{name: value - vars(other)[name] for name, value in vars(self).items()})
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
-        """The same as `ClosedChain.reduced_dynamics`, from the closed form; `q`, `v` (2,) [rad, rad/s]."""
+        """Return the same as `ClosedChain.reduced_dynamics`, in closed form; `q`, `v` (2,) [rad, rad/s]."""
         alpha = q[1] - q[0]
         coupling = self.m12 * np.cos(alpha)
         mass = np.array([[self.m11, coupling], [coupling, self.m22]])
@@ -63,7 +63,7 @@ class LegStructure:
 
 @lru_cache(maxsize=64)
 def leg_structure(payload: float = 0.0, longer: tuple[float, float] = (0.0, 0.0)) -> LegStructure:
-    """The reference leg's numbers, links only, from Drake.
+    """Return the numbers of the reference leg, links only, from Drake.
 
     Args:
         payload: point mass [kg] at the foot, put into the Drake model.
@@ -78,7 +78,7 @@ def leg_structure(payload: float = 0.0, longer: tuple[float, float] = (0.0, 0.0)
 
 @lru_cache(maxsize=8)
 def linkage_share(longer: tuple[float, float] = (0.0, 0.0)) -> LegStructure:
-    """What crank and coupler, which drive the shank, have of `leg_structure`; the thigh's share is not in it.
+    """Return the part of crank and coupler, which drive the shank, in `leg_structure`; without the thigh.
 
     Everything is linear in the masses, so the leg with its shank twice as heavy tells the shank's share;
     crank and coupler have the rest, except of M11 and g1, which are taken as the thigh's.

@@ -1,4 +1,4 @@
-"""What is wrong with the parameters of an effect to hide, in a user's words."""
+"""Errors in the parameters of an effect to hide, in a user's words."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from workbench.core import InputError
 
 
 def unfit(name: str, install: Callable[..., Any], given: Mapping[str, float]) -> InputError | None:
-    """The refusal of parameters that an effect lacks or does not know; None where they fit.
+    """Return the error for parameters that an effect lacks or does not know; None if they fit.
 
     Args:
         name: of the effect.

@@ -1,4 +1,4 @@
-"""The demo's virtual hardware: a leg that is measured like a real one and may hide effects."""
+"""The virtual hardware of the demo: a leg that is measured like a real one and may hide effects."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CONTROLLER = Controller("pd", "joint", kp=(50.0, 50.0), kd=(1.5, 1.5), period_s=
 
 @dataclass(frozen=True)
 class Sensors:
-    """What stands between the leg and its log.
+    """Errors between the leg and its log.
 
     Attributes:
         encoder: position is rounded to this [rad]; 0 for none. Default: 14 bits per turn.
@@ -71,7 +71,7 @@ class VirtualLeg:
         moving_leg(self._machine)  # refuses now what it cannot integrate
 
     def run(self, experiments: Sequence[Experiment] | None = None) -> list[Recording]:
-        """Makes the experiments (default: the demo's six) and returns what was logged.
+        """Run the experiments (default: the six of the demo) and return the recordings.
 
         Returns:
             One recording an experiment: position, velocity, torque_command, torque_measured,
@@ -88,7 +88,7 @@ class VirtualLeg:
     def record_to(
         self, folder: str | Path, experiments: Sequence[Experiment] | None = None, force: bool = False
     ) -> list[Path]:
-        """Runs and writes one TOML and one csv.gz a recording into `folder`; returns the TOML files.
+        """Run, and write one TOML and one csv.gz per recording into `folder`; return the TOML files.
 
         Raises:
             InputError: a file is there already and `force` is not set.

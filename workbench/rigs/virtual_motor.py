@@ -1,4 +1,4 @@
-"""A drive that speaks its protocol: it follows setpoints while it is enabled and hears of its host."""
+"""A drive with its protocol: it follows setpoints while it is enabled and receives frames from its host."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TELL_FAULTS = ("damiao", "moteus", "odrive")  # as virtual drives go
 
 
 class VirtualMotor:
-    """One drive; it works once a row, as a drive's control does.
+    """One drive; it is simulated once per row, like the control of a real drive.
 
     Args:
         axis: name of its axis.
@@ -47,12 +47,12 @@ class VirtualMotor:
         self._speak = False
 
     def hear(self, frame: Frame) -> None:
-        """A frame on its bus."""
+        """Receive a frame from its bus."""
         if not self.dead:
             self._inbox.append(frame)
 
     def obey(self, now: float) -> None:
-        """Does what it was told since the last row, unless that is too long ago."""
+        """Apply what was received since the last row, unless that is too long ago."""
         for asked in [each for frame in self._inbox for each in things(self.drive.asked(frame))]:
             if isinstance(asked, Setpoint):
                 self._setpoint, self.heard = asked, now
@@ -76,16 +76,16 @@ class VirtualMotor:
 
     @property
     def has_heard(self) -> bool:
-        """Whether a frame waits for it."""
+        """Return whether a frame is waiting."""
         return bool(self._inbox)
 
     @property
     def asked(self) -> bool:
-        """Whether it owes an answer."""
+        """Return whether an answer is due."""
         return self._speak
 
     def torque(self, look: Look) -> float:
-        """What it drives with, given what its sensors show; at the axis [N m]."""
+        """Return its torque for its present readings; at the axis [N m]."""
         if not self.enabled:
             return 0.0
         s, q, w = self._setpoint, self._sign * (look[0] - self._offset), self._sign * look[1]
@@ -94,7 +94,7 @@ class VirtualMotor:
         return self._sign * min(max(torque, -most), most)
 
     def answer(self, look: Look, now: float, row: float) -> list[Frame]:
-        """What it says at the end of its work, and how warm it gets in a row of `row` [s]."""
+        """Return its feedback at the end of a row, and its temperature after a row of `row` [s]."""
         if self.enabled:
             self.longest = max(self.longest, now - self.heard)
         heat = _WARMING * look[2] ** 2 if self.enabled else 0.0

@@ -1,4 +1,4 @@
-"""What a normalised tree has that the user's own had not: element by element, with its size."""
+"""Elements of a normalised tree that differ from the user's tree, with their sizes."""
 
 from __future__ import annotations
 

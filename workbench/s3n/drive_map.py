@@ -18,7 +18,8 @@ _ALLOWED = 1e-3  # rad or m
 
 
 def drive_map(model: Model, chain: PostureDependent | None = None) -> DriveMap | None:
-    """The drives' positions over a model's limits to a microradian; None where the transmission is constant.
+    """Return the drives' positions over a model's limits to a microradian; None where the transmission is
+    constant.
 
     Args:
         model: names its closed chain and limits.

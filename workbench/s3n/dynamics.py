@@ -1,4 +1,4 @@
-"""What a variant's equation of motion is made of: mass, velocity terms, gravity and damping, by MuJoCo."""
+"""The equation of motion of a variant: mass, velocity terms, gravity and damping, by MuJoCo."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Dynamics:
 
 
 def reduced(plant: Plant, q: np.ndarray, v: np.ndarray) -> Dynamics:
-    """The equation of motion of a compiled model; `q`, `v` (N, n) in serial coordinates."""
+    """Return the equation of motion of a compiled model; `q`, `v` (N, n) in serial coordinates."""
     return compiled_dynamics(plant.mujoco, plant.model.joints, q, v)
 
 
 def compiled_dynamics(m: mujoco.MjModel, joints: Sequence[str], q: np.ndarray, v: np.ndarray) -> Dynamics:
-    """The same of any MuJoCo model with hinges and slides.
+    """Return the same for any MuJoCo model with hinges and slides.
 
     Args:
         m: compiled model; left as it is.
@@ -72,7 +72,7 @@ def compiled_dynamics(m: mujoco.MjModel, joints: Sequence[str], q: np.ndarray, v
 
 
 def variant_dynamics(model: Model, variant: str, q: np.ndarray, v: np.ndarray) -> Dynamics:
-    """The equation of motion of a variant that has one in serial coordinates.
+    """Return the equation of motion of a variant that has one in serial coordinates.
 
     Args:
         model: any model of the mechanism.

@@ -19,7 +19,7 @@ _TABLE = np.linspace(-np.pi, np.pi, 721)  # knee angles of `Injection.radius`
 
 @dataclass(frozen=True)
 class Injection:
-    """What is simulated implicitly and what is injected (paper, Eqs. 25 to 27).
+    """The parts that are simulated implicitly and injected (paper, Eqs. 25 to 27).
 
     Attributes:
         model: the Kin-Only model that is simulated.

@@ -1,4 +1,4 @@
-"""What a normalised tree gets wrong once its base is free: total mass, weight, and coupling with the base.
+"""Errors of a normalised tree on a free base: total mass, weight, and coupling with the base.
 
 On a fixed base the normalised tree is exact. A free base also feels the links' mass and where it is: the tree
 has the serial tree's masses and what the linkage's inertia needed, not the mechanism's own, and gravity

@@ -15,7 +15,7 @@ from .dynamics import variant_dynamics
 
 @dataclass(frozen=True)
 class InertiaGap:
-    """What Kin-Only lacks over N knee angles, serial coordinates.
+    """The inertia that Kin-Only lacks over N knee angles, serial coordinates.
 
     Attributes:
         alpha: knee angles (N,) [rad].
@@ -44,7 +44,7 @@ class InertiaGap:
 
 
 def inertia_gap(model: Model, alpha: np.ndarray) -> InertiaGap:
-    """The gap of a parallelogram leg.
+    """Return the gap of a parallelogram leg.
 
     Args:
         model: with its drives and linkage.

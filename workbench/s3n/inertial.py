@@ -55,7 +55,9 @@ class Inertial:
 
     @property
     def is_body(self) -> bool:
-        """Whether a body can have these properties: positive, and no moment above the sum of the others."""
+        """Return whether a body can have these properties: positive, and no moment above the sum of the
+        others.
+        """
         if self.mass <= 0.0 or not np.isfinite(self.central).all():
             return False
         low, middle, high = np.linalg.eigvalsh(self.central)
@@ -63,7 +65,9 @@ class Inertial:
 
 
 def body_inertial(m: mujoco.MjModel, body: int, in_parent: bool) -> Inertial:
-    """Of one compiled body, in its own frame or (a body without joints) in its parent's."""
+    """Return the inertial of one compiled body, in its own frame or (a body without joints) in its
+    parent's.
+    """
     mass, share = float(m.body_mass[body]), 1.0 - float(m.body_gravcomp[body])
     turn, centre = _rotation(m.body_iquat[body]), m.body_ipos[body].copy()
     if in_parent:
@@ -75,7 +79,7 @@ def body_inertial(m: mujoco.MjModel, body: int, in_parent: bool) -> Inertial:
 
 
 def as_one(total: Inertial) -> tuple[Inertial, float] | None:
-    """The body that has this inertia and these weights, by gravity compensation.
+    """Return the body that has this inertia and these weights, by gravity compensation.
 
     Returns:
         ``(body, left)``: and the weight [kg] that is left to act at the frame's origin; None where the two
@@ -95,7 +99,8 @@ def as_one(total: Inertial) -> tuple[Inertial, float] | None:
 
 
 def about_a_fixed_axis(total: Inertial) -> Inertial | None:
-    """The same for a link that turns about a fixed axis through its origin, with another centre of mass.
+    """Return the same for a link that turns about a fixed axis through its origin, with another centre
+    of mass.
 
     There only the inertia about the axis and the moment of the weights act; both stay. None where no body
     has such an inertia.

@@ -41,7 +41,7 @@ class ConstraintSettings:
 
 
 def mechanism_of(model: Model) -> Mechanism:
-    """The model's closed chain.
+    """Return the model's closed chain.
 
     Raises:
         InputError: it names none.
@@ -57,7 +57,7 @@ def mechanism_of(model: Model) -> Mechanism:
 def loop_spec(
     model: Model, settings: ConstraintSettings | None = None, floating: bool = False
 ) -> mujoco.MjSpec:
-    """The closed chain as MJCF: every link a body, rotors and damping on the driven joints.
+    """Return the closed chain as MJCF: every link a body, rotors and damping on the driven joints.
 
     Args:
         model: names the SDF file or URDF, drives and loops; gives the actuators and, by its MJCF, gravity.
@@ -100,7 +100,7 @@ def loop_spec(
 
 
 def free_base(spec: mujoco.MjSpec) -> mujoco.MjsBody:
-    """A free body of next to no mass for a tree to hang on: MuJoCo wants some."""
+    """Return a free body of next to no mass for a tree to hang on: MuJoCo wants some."""
     base = spec.worldbody.add_body(name="free base")
     base.add_freejoint()
     base.explicitinertial, base.mass, base.ipos = True, 1e-9, np.zeros(3)
@@ -191,7 +191,7 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
 
 
 def solid(inertia: np.ndarray) -> np.ndarray:
-    """An inertia (3, 3) that MuJoCo takes: of a point, as frames are in some files, a little."""
+    """Return an inertia (3, 3) that MuJoCo takes: of a point, as frames are in some files, a little."""
     if np.linalg.eigvalsh(inertia)[0] > 0.0:
         return inertia
     return inertia + (_POINT - min(0.0, np.linalg.eigvalsh(inertia)[0])) * np.eye(3)

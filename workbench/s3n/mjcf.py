@@ -13,7 +13,9 @@ _DIGITS = 15  # 0.1 is written as 0.1, and reads back to a relative 1e-15
 
 
 def exact_xml(spec: mujoco.MjSpec) -> str:
-    """The text of a compiled spec; MuJoCo's own writer keeps six digits, which is 1e-6 of an inertia."""
+    """Return the text of a compiled spec; MuJoCo's own writer keeps six digits, which is 1e-6 of an
+    inertia.
+    """
     with _digits(_DIGITS):
         return spec.to_xml()
 

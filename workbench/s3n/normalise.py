@@ -125,7 +125,7 @@ def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = Fa
 
 
 def outside(model: Model, applied: AppliedEffect) -> bool:
-    """Whether an effect changes a stage of the torque chain that a motor of MuJoCo has not."""
+    """Return whether an effect changes a stage of the torque chain that a motor of MuJoCo has not."""
     alone = Build.of(model)
     effect_named(applied.key.effect).install(alone, model, Placement.of(model, applied.key), applied.values)
     neutral = vars(TorqueChain.of(model))

@@ -52,7 +52,7 @@ class LinksOnDrives:
         return found
 
     def at(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> CarriedMotion:
-        """As `core.Carried` has it."""
+        """Return the links at a posture, as `core.Carried`."""
         joints = self._chain.nearest_inside(self._map.joints(position))
         terms = self._chain.at(joints)
         slope = np.linalg.inv(terms.jacobian)
@@ -63,7 +63,7 @@ class LinksOnDrives:
 
 
 def on_drives(model: Model) -> Model:
-    """A model as its drives feel it; the model itself where its transmission is constant."""
+    """Return a model as its drives feel it; the model itself where its transmission is constant."""
     if not model.posture_dependent:
         return model
     return replace(
@@ -77,7 +77,7 @@ def on_drives(model: Model) -> Model:
 
 
 def off_drives(found: Model, given: Model) -> Model:
-    """What a search made of `on_drives` of a model, as that model with the same effects in it."""
+    """Return the result of a search on `on_drives` of a model as that model with the same effects."""
     if found.carried is None:
         return found
     return replace(

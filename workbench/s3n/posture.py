@@ -29,7 +29,7 @@ _BEYOND = 0.1  # rad or m outside the limits within which the series go on as at
 
 @dataclass(frozen=True)
 class Terms:
-    """What the series say at N postures.
+    """Values of the series at N postures.
 
     Attributes:
         links: inertia of the links (N, n, n) [kg m^2].
@@ -105,7 +105,7 @@ class PostureDependent:
         self._series = together(parts)
 
     def at(self, q: np.ndarray) -> Terms:
-        """Every term at `q` (N, n) [rad or m].
+        """Return every term at `q` (N, n) [rad or m].
 
         Raises:
             SimulationError: a posture outside the limits; names its joint.
@@ -161,7 +161,7 @@ class PostureDependent:
         return self.at(q).jacobian
 
     def inside(self, q: np.ndarray) -> np.ndarray:
-        """Which postures (N, n) lie within the limits, (N,)."""
+        """Return which postures (N, n) lie within the limits, (N,)."""
         within = (q >= self.box[:, 0] - _SLACK) & (q <= self.box[:, 1] + _SLACK)
         return np.all(within, axis=1)
 

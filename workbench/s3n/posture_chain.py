@@ -90,7 +90,7 @@ class PostureChain:
         return self.dynamics(q).jacobian
 
     def margin(self, q: np.ndarray) -> np.ndarray:
-        """How far `q` (N, n) are from a singular posture (N,), 1 at best and 0 there."""
+        """Return how far `q` (N, n) are from a singular posture (N,), 1 at best and 0 there."""
         return np.array([self._closure.at(row).margin for row in np.atleast_2d(q)])
 
     def _state(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray | float, ...]:

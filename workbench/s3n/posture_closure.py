@@ -77,7 +77,7 @@ class LoopClosure:
         self._closure = self._first(_start(model))
 
     def at(self, q: np.ndarray) -> Posture:
-        """The closed posture at serial positions `q` (n,) [rad or m]; the tree is left there.
+        """Return the closed posture at serial positions `q` (n,) [rad or m]; the tree is left there.
 
         Raises:
             SimulationError: the loops cannot be closed there, or the posture is singular; names the joints.
@@ -98,13 +98,13 @@ class LoopClosure:
         return self._closure.gamma(posture.inverse)
 
     def move(self, theta: np.ndarray) -> None:
-        """To the posture theta (N,) [rad or m]."""
+        """Move to the posture theta (N,) [rad or m]."""
         self.data.qpos[:] = theta
         mujoco.mj_kinematics(self.m, self.data)
         mujoco.mj_comPos(self.m, self.data)
 
     def gap(self) -> np.ndarray:
-        """Of m loops [m], then how far k couplings are off, (3 m + k,)."""
+        """Return the gaps of m loops [m], then the errors of k couplings, (3 m + k,)."""
         at = self.data.site_xpos
         return np.concatenate([*(at[a] - at[b] for a, b in self._loops), self._bound.gap(self.data.qpos)])
 

@@ -1,4 +1,4 @@
-"""What effects add to the links of a closed chain: as much as to the serial tree that moves with them."""
+"""Mass that effects add to the links of a closed chain, as to the serial tree that moves with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a plain MJCF is from a posture-dependent mechanism, over the whole workspace."""
+"""The error of a plain MJCF of a posture-dependent mechanism, over the whole workspace."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class PostureError:
 def posture_error(
     chain: PostureDependent, m: mujoco.MjModel, offsets: np.ndarray | None = None
 ) -> PostureError:
-    """Of a compiled tree with the model's joints.
+    """Return the error of a compiled tree with the joints of the model.
 
     Args:
         chain: what is right; totals.

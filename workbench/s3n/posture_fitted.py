@@ -143,7 +143,7 @@ def _is_spring(there: Model, applied: AppliedEffect) -> bool:
 
 
 def error_lines(error: PostureError) -> list[str]:
-    """What a fit is off by, in words."""
+    """Return the errors of a fit in words."""
     lines = [
         f"inertia by up to {error.inertia_max:.2%} (at {error.inertia_at}), {error.inertia_rms:.2%} rms",
         f"gravity by up to {error.gravity_max:.3g} N m, {error.gravity_rms:.2%} rms",

@@ -15,7 +15,7 @@ _PARALLEL = 1e-9  # sine of the angle between axes that count as parallel
 
 @dataclass(frozen=True)
 class Frames:
-    """Where the B bodies that carry the joints are at N postures; the world is body 0.
+    """Poses of the B bodies that carry the joints at N postures; the world is body 0.
 
     A point has m free coordinates p in its body: three, or two in the plane of a plane mechanism.
 
@@ -44,11 +44,11 @@ class Frames:
 
     @property
     def plane(self) -> bool:
-        """Whether all joints turn about parallel axes."""
+        """Return whether all joints turn about parallel axes."""
         return self.ways == 2
 
     def place(self, bodies: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Where points are (P, N, 3), and d point / d q (P, N, 3, n).
+        """Return positions of points (P, N, 3), and d point / d q (P, N, 3, n).
 
         Args:
             bodies: body of each (P,).
@@ -59,7 +59,8 @@ class Frames:
 
 
 def frames(m: mujoco.MjModel, model: Model, q: np.ndarray) -> Frames:
-    """Of a compiled serial tree at postures `q` (N, n); other joints stay where it starts.
+    """Return the frames of a compiled serial tree at postures `q` (N, n); other joints stay at their
+    start.
 
     Raises:
         InputError: a body carries two of the joints.

@@ -1,4 +1,5 @@
-"""What links, joints and drives have to carry so that a tree has a mechanism's inertia and weight.
+"""Inertia that links, joints and drives have to carry so that a tree has inertia and weight of a
+mechanism.
 
 With each drive on a tendon whose length is its position, the omitted links add what a choice of these adds:
 point masses on the links (any density is a sum of them), more rotor inertia on the drives (a crank turns with
@@ -34,7 +35,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Carried:
-    """What the choice came to.
+    """The result of the choice.
 
     Attributes:
         links: of the bodies that carry the joints, the world left out.
@@ -51,7 +52,7 @@ class Carried:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be carried, at N postures.
+    """Inertia and weight to be carried, at N postures.
 
     Attributes:
         frames: of the bodies.
@@ -78,7 +79,7 @@ class Wanted:
 
 
 def carry(wanted: Wanted, seed: int = 3) -> Carried:
-    """The nearest choice."""
+    """Return the nearest choice."""
     w, f = wanted, wanted.frames
     generator = np.random.default_rng(seed)
     n, links = w.mass.shape[1], range(1, len(f.bodies))

@@ -29,7 +29,7 @@ _ENOUGH, _STARTS = 0.01, 3  # a drive's tendon that is this good is taken, else 
 
 @dataclass(frozen=True)
 class Fit:
-    """What is written into the tree.
+    """Numbers that are written into the tree.
 
     Attributes:
         chain: the mechanism.

@@ -9,8 +9,8 @@ An entry may be negative; the sum with the tree's own inertia stays positive, wh
 So the mass matrix is the closed chain's wherever MuJoCo uses it, in contacts too, and never a torque in its
 place. Drag is kept in the dampings of the same joints and tendons, and integrated implicitly where MuJoCo
 does that; velocity terms and weights enter as torques. ``Euler``, ``implicit`` and ``implicitfast`` evaluate
-forces once a step: with them every step is exact. ``RK4`` goes on within the step, so fields are written for
-the middle of it there.
+forces once per step: with them every step is exact. ``RK4`` goes on within the step, so there fields are
+written for the middle of it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Beyond = Literal["raise", "hold"]
 
 @dataclass(frozen=True)
 class Fields:
-    """What to write for N states.
+    """Numbers to write for N states.
 
     Attributes:
         armature, damping: of the joints, (N, n) [kg m^2], [N m s/rad].
@@ -112,7 +112,7 @@ class Schedule:
             self.chain.check(q)
 
     def spec(self, step: float, integrator: str) -> mujoco.MjSpec:
-        """The model's MJCF with the tendons that hold the pairs, at zero.
+        """Return the model's MJCF with the tendons that hold the pairs, at zero.
 
         Raises:
             InputError: no such integrator.

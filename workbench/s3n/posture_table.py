@@ -56,7 +56,7 @@ class Series:
         return Series(self.box, found)
 
     def part(self, functions: slice | Sequence[int]) -> Series:
-        """Some of the functions."""
+        """Return some of the functions."""
         return Series(self.box, self.coefficients[..., functions])
 
 
@@ -77,7 +77,7 @@ def tabulate(
     tolerance: float,
     least: np.ndarray | float = 1e-300,
 ) -> Series | None:
-    """The series of a function, as long as its accuracy needs.
+    """Return the series of a function, as long as its accuracy needs.
 
     Args:
         function: from angles (N, n) to values (N, K).

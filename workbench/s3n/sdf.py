@@ -25,11 +25,11 @@ class Pose:
     at: np.ndarray
 
     def then(self, inner: Pose) -> Pose:
-        """A pose given in this frame, in the frame that this one is given in."""
+        """Return a pose given in this frame, in the frame that this one is given in."""
         return Pose(self.turn @ inner.turn, self.at + self.turn @ inner.at)
 
     def back(self) -> Pose:
-        """The outer frame seen from this one."""
+        """Return the outer frame seen from this one."""
         return Pose(self.turn.T, -self.turn.T @ self.at)
 
 
@@ -90,7 +90,7 @@ class SdfTree:
         return sum(link.mass for link in self.links)
 
     def frame(self, name: str) -> Frame:
-        """A frame, or a link's own frame, by name.
+        """Return a frame, or a link's own frame, by name.
 
         Raises:
             InputError: there is none.

@@ -31,7 +31,7 @@ class Fitted:
 
 
 def for_target(xml: str, target: str) -> Fitted:
-    """A normalised MJCF as a simulator really takes it.
+    """Return a normalised MJCF as a simulator really takes it.
 
     Args:
         xml: of `NormalisedTree`, all of it.

@@ -16,7 +16,7 @@ _TYPES = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJN
 
 
 def urdf_text(xml: str) -> tuple[str, tuple[str, ...]]:
-    """The tree of a plain MJCF as URDF.
+    """Return the tree of a plain MJCF as URDF.
 
     Returns:
         ``(text, lost)``: what URDF has no place for, each with its number.

@@ -21,7 +21,7 @@ _STRUCTURAL = tuple(dict.fromkeys(name for names in VARIANTS.values() for name i
 
 
 def with_variant(model: Model, variant: str) -> Model:
-    """The model as one of the plain variants; effects that are not structural stay.
+    """Return the model as one of the plain variants; effects that are not structural stay.
 
     A structural effect that the model has keeps its own parameters; one that it lacks gets the linkage's.
 
@@ -78,7 +78,7 @@ def omissions(model: Model) -> tuple[str, ...]:
 
 
 def need_parallelogram(model: Model, what: str) -> Linkage:
-    """The model's linkage.
+    """Return the model's linkage.
 
     Raises:
         InputError: it states none, or its transmission is not the parallelogram's.

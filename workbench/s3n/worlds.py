@@ -112,7 +112,7 @@ def make_world(
     constraint: ConstraintSettings | None = None,
     start: State | None = None,
 ) -> World:
-    """A variant ready to run; the arguments are those of `run_variant`.
+    """Return a variant ready to run; the arguments are those of `run_variant`.
 
     Raises:
         InputError: no such variant or integrator, an effect that needs a torque function, or a transmission

@@ -1,4 +1,4 @@
-"""Runs a model the way a recording was made, one or thousands at once."""
+"""Simulates a model as a recording was made, one run or thousands at once."""
 
 from .control import SensorNoise
 from .cores import on_all_cores, use_cores

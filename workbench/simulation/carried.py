@@ -19,14 +19,14 @@ _NUDGE = 1e-5  # rad, rad/s: central differences of smooth functions
 
 
 def carried_motion(plant: Plant, position: np.ndarray) -> CarriedMotion:
-    """Of the links that drives at rest at `position` (N, n) carry."""
+    """Return the motion of the links that drives carry, at rest at drive positions (N, n)."""
     assert plant.model.carried is not None
     still = np.zeros_like(position)
     return plant.model.carried.at(position, still, still)
 
 
 def carried_torque(plant: Plant, q: np.ndarray, w: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """Of the drives (N, n) along their motion (N, n)."""
+    """Return the torque (N, n) that the links need from the drives along their motion."""
     assert plant.model.carried is not None
     at = plant.model.carried.at(q, w, a)
     joints = at.position, at.velocity, at.acceleration
@@ -35,14 +35,14 @@ def carried_torque(plant: Plant, q: np.ndarray, w: np.ndarray, a: np.ndarray) ->
 
 
 def carried_inertia(plant: Plant, q: np.ndarray) -> np.ndarray:
-    """As the drives feel it (N, n, n), at positions (N, n)."""
+    """Return the inertia of the links in drive coordinates (N, n, n), at positions (N, n)."""
     at, names = carried_motion(plant, q), plant.model.links[1]
     now, before = (_masses(m, names, at.position) for m in _trees(plant))
     return at.slope.transpose(0, 2, 1) @ (at.inertia + now - before) @ at.slope
 
 
 def carried_slopes(plant: Plant, q: np.ndarray, w: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """Derivatives of `carried_torque` by acceleration, rate and position, (3, N, n, n)."""
+    """Return derivatives of `carried_torque` by acceleration, rate and position, (3, N, n, n)."""
 
     def torque(*at: np.ndarray) -> np.ndarray:
         return carried_torque(plant, *at)

@@ -1,4 +1,4 @@
-"""Commands that were cut to a limit before they were logged: what the loop asked for."""
+"""Commands that were clipped to a limit before they were logged: what the loop had asked for."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _FOLLOWED = 0.1  # of a command's variation a law that holds may leave in rows t
 def before_clamp(
     command: np.ndarray, law: np.ndarray, limits: Sequence[tuple[int, float, float]]
 ) -> np.ndarray:
-    """A logged command (N, n) with what its loop asked for where it stands at a limit.
+    """Return a logged command (N, n) with the unclipped command of the loop where it is at a limit.
 
     A drive that is said to be without a limit would have followed that.
 

@@ -34,14 +34,14 @@ class SensorNoise:
     _draws: dict[int, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
 
     def draws(self, rows: int) -> np.ndarray:
-        """Standard normal numbers (3, rows, n), the same at every call."""
+        """Return standard normal numbers (3, rows, n); the same at every call."""
         if rows not in self._draws:
             shape = (3, rows, len(self.resolution))
             self._draws[rows] = np.random.default_rng(self.seed).standard_normal(shape)
         return self._draws[rows]
 
     def of_late_rows(self, recording: Recording) -> np.ndarray:
-        """What a loop reads wrongly, position and rate (2, N, n), of rows that are taken late."""
+        """Return the error of position and rate, (2, N, n), that a loop reads from rows that come late."""
         if not recording.late_s:
             return np.zeros((2, *recording.position.shape))
         rate = recording.get("velocity")
@@ -54,7 +54,7 @@ class SensorNoise:
     def logged(
         self, position: np.ndarray, velocity: np.ndarray, torque: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Whole tracks (N, n) as the log shows them."""
+        """Return tracks (N, n) as the log shows them."""
         draw = self.draws(len(position))
         return (
             self.read_position(position, draw[0]),
@@ -63,7 +63,7 @@ class SensorNoise:
         )
 
     def read_position(self, position: np.ndarray, draw: np.ndarray) -> np.ndarray:
-        """Noise first, then the encoder's rounding."""
+        """Return positions with noise, then rounded as by the encoder."""
         noisy = position + self.position_std * draw
         safe = np.where(self.resolution > 0, self.resolution, 1.0)
         return np.where(self.resolution > 0, np.round(noisy / safe) * safe, noisy)
@@ -110,7 +110,7 @@ class ControlLaw(NamedTuple):
 
 
 def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> ControlLaw:
-    """The loop of an experiment on a plant, before its first tick."""
+    """Return the loop of an experiment on a plant, before its first tick."""
     rows, n = e.reference.shape
     eye, back = np.eye(n), np.linalg.inv(plant.model.transmission)
     c = true_controller(e.controller, plant.chain)
@@ -190,7 +190,7 @@ def tick(c: ControlLaw, k: int, position: np.ndarray, velocity: np.ndarray) -> N
 
 
 def true_controller(stated: Controller, chain: TorqueChain) -> Controller:
-    """A loop with the gains that it really has: on the position error kp, on the speed kd or kv."""
+    """Return a loop with its real gains: kp acts on the position error, kd or kv on the speed."""
     position, rate = chain.kp_scale, chain.kd_scale
     if stated.kind == "none" or stated.kind == "unknown" or bool(np.all([position == 1.0, rate == 1.0])):
         return stated

@@ -1,4 +1,4 @@
-"""Compiled loops on all cores: they let go of Python's lock, so threads are enough."""
+"""Compiled loops on all cores; they release Python's lock, so threads are enough."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ _cores = os.cpu_count() or 1
 
 
 def use_cores(count: int) -> None:
-    """Use at most this many from now on: for a process that shares the machine with others of its kind."""
+    """Use at most this many cores from now on, for a process that shares the machine with others of its
+    kind.
+    """
     global _cores
     _cores = max(1, count)
 
 
 def on_all_cores(function: Callable[..., Made], *arguments: Iterable[Any]) -> list[Made]:
-    """What ``map(function, *arguments)`` gives, in its order; an exception of any call is raised.
+    """Return the results of ``map(function, *arguments)`` in order; an exception of any call is raised.
 
     Linear algebra keeps to one thread a call meanwhile: its own threads would only wait for these.
     """

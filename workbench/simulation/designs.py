@@ -1,4 +1,4 @@
-"""What a model says an excitation will do: posture, limits, and the run that predicts them."""
+"""Prediction of an excitation by a model: posture, limits, and simulated run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LOOP_REMEDY = "give one that a recording states, --loop REC, or a [controller] i
 
 
 def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
-    """Position reference in the loop's coordinates; empty where no loop holds anything.
+    """Return the position reference in the coordinates of the loop; empty if no loop holds a posture.
 
     Raises:
         InputError: a name that the loop does not have.
@@ -44,12 +44,12 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
 
 
 def holds(model: Model) -> bool:
-    """Whether the model's loop follows a position reference, and so holds a posture."""
+    """Return whether the loop of the model follows a position reference and so holds a posture."""
     return model.controller.kind in ("pd", "cascade_pv")
 
 
 def without_loop(model: Model, what: str, asked_by: str | None = None) -> InputError:
-    """The refusal of what only a loop does; a plain MJCF or URDF has no place to state one."""
+    """Return the error for a request that needs a loop; a plain MJCF or URDF cannot state one."""
     return InputError(f"{_called(model)} has no loop that {what}", column=asked_by, remedy=LOOP_REMEDY)
 
 
@@ -58,7 +58,9 @@ def _called(model: Model) -> str:
 
 
 def joint_limits(model: Model) -> list[tuple[float, float]]:
-    """Range of every joint [rad or m]: the mechanism's, else the serial tree's, else none."""
+    """Return the range of every joint [rad or m]: that of the mechanism, otherwise of the serial tree,
+    otherwise none.
+    """
     if model.closed_chain is not None and model.closed_chain.limits:
         return list(model.closed_chain.limits)
     tree = load_tree(model.serial).compile()
@@ -67,7 +69,7 @@ def joint_limits(model: Model) -> list[tuple[float, float]]:
 
 
 def limits_of(model: Model, speed: Sequence[float] | None) -> list[Limit]:
-    """Limits on joint positions, on the drives' speeds if any are given, and on their torques.
+    """Return the limits of joint positions, of drive speeds if there are any, and of drive torques.
 
     Raises:
         InputError: a number of speeds that is neither one nor one per axis, or one that is not positive.
@@ -93,7 +95,7 @@ def limits_of(model: Model, speed: Sequence[float] | None) -> list[Limit]:
 
 
 def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mapping[str, np.ndarray]]:
-    """What `scale_to_limits` asks for: joint positions, drives' speeds, torques that are asked of them.
+    """Return the function that `scale_to_limits` needs: joint positions, drive speeds, commanded torques.
 
     `limits` are those that will be asked about; columns of others are left out.
     """
@@ -127,7 +129,8 @@ def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mappi
 
 
 def as_recording(model: Model, design: Design, experiment: int) -> Recording:
-    """An experiment of a design as a recording to be simulated: at rest in its posture, nothing measured.
+    """Return an experiment of a design as a recording to simulate: at rest in its posture, without
+    measurements.
 
     Raises:
         InputError: the design drives a reference, and the model has no loop that follows it.
@@ -160,7 +163,7 @@ def _drives(model: Model, joints: np.ndarray) -> np.ndarray:
 
 
 def whole_period(model: Model, period_s: float, rate_hz: float) -> float:
-    """The nearest period that is a whole number of rows and of the controller's ticks [s].
+    """Return the nearest period [s] that is a whole number of rows and of controller ticks.
 
     A loop samples its feedforward at its ticks: only so does it play the same in every period.
     """

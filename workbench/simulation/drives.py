@@ -1,4 +1,4 @@
-"""The drives of one run: from the torque that is asked for to the torque on the shaft."""
+"""The drives of one run: from the commanded torque to the torque on the shaft."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .experiment import Experiment, whole_and_part
 
 
 class Drives(NamedTuple):
-    """A torque chain as numbers, in the order of its stages; arrays (n,).
+    """The torque chain of the drives as numbers, in the order of its stages; arrays (n,).
 
     Attributes:
         whole, fraction: delay in substeps.
@@ -44,7 +44,7 @@ class Drives(NamedTuple):
 
 
 def drives_of(e: Experiment, plant: Plant) -> Drives:
-    """The drives of a plant in an experiment, at its start."""
+    """Return the drives of a plant in an experiment, at its start."""
     chain, n = plant.chain, plant.model.size
     # where a loop's log already carries the delay it has been applied all the same, only before the log
     whole, fraction = whole_and_part(e.delay(chain.delay_s, plant.model) / e.step)
@@ -79,7 +79,7 @@ def pass_on(
     shaft: np.ndarray,
     early: np.ndarray,
 ) -> None:
-    """Send the command (rows, n) of substep `now` (its row) through the chain, with the drives' speed (n,).
+    """Pass the command (rows, n) of substep `now` (its row) through the chain, with drive speeds (n,).
 
     Writes, (n,) each: `tap`, `torque_measured` just after the substep's start; `shaft`, the mean torque
     over it; `early`, what an edge inside it adds to the impulse's moment [N m s^2]: a mean torque has the

@@ -1,4 +1,4 @@
-"""A recording as instructions: what to replay, when the controller samples, where the run starts."""
+"""A recording as instructions: what to replay, when the controller samples, and where the run starts."""
 
 from __future__ import annotations
 
@@ -60,11 +60,12 @@ class Experiment:
 
     @property
     def substeps(self) -> int:
-        """Number of substeps K from the first row to the last."""
+        """Return the number of substeps K from the first row to the last."""
         return (len(self.recording) - 1) * self.stride
 
     def at_ticks(self, rows: np.ndarray, held: bool | None = None) -> np.ndarray:
-        """A signal (N, n) as read at the T ticks (T, n): smooth ones go on between rows, held ones stay.
+        """Return a signal (N, n) as read at the T ticks (T, n): smooth signals are interpolated, held ones
+        stay constant.
 
         Where `held` does not say which it is, the signal does.
         """
@@ -75,19 +76,21 @@ class Experiment:
         return CubicSpline(np.arange(len(rows)), rows)(self.ticks / self.stride)
 
     def delay(self, total: float, model: Model) -> float:
-        """What of the chain's `total` delay [s] still lies between the replayed torque and the mechanism."""
+        """Return the part of the `total` delay [s] of the chain between the replayed torque and the
+        mechanism.
+        """
         gone = {"none": 0.0, "motor": model.actuators.delay_s, "all": total}[self.behind]
         return max(total - gone, 0.0)
 
 
 def whole_and_part(steps: float) -> tuple[int, float]:
-    """A delay in steps as whole ones and the part of one more; what rounding leaves is no part."""
+    """Return a delay in steps as a whole number and a fraction; a rounding error is no fraction."""
     whole = int(np.floor(steps + 1e-9))
     return whole, float(steps - whole) if steps - whole > 1e-9 else 0.0
 
 
 def prepare(recording: Recording, model: Model) -> Experiment:
-    """Make a recording ready to be run on a model.
+    """Return a recording prepared for simulation of a model.
 
     Raises:
         InputError: axes the model does not have, or a loop that cannot be replayed.
@@ -176,7 +179,8 @@ def _before(measured: np.ndarray | None, command: np.ndarray | None, n: int) -> 
 
 
 def scored_torque(recording: Recording) -> str | None:
-    """Which torque is held against a simulation: the measured one, else the command, else none.
+    """Return the name of the torque that is compared: the measured one, otherwise the command,
+    otherwise None.
 
     A "measured" torque that is the command itself, row for row, was not measured behind the drive. On the
     ground it is that of the ground.
@@ -190,7 +194,8 @@ def scored_torque(recording: Recording) -> str | None:
 
 
 def check_axes(recording: Recording, model: Model) -> None:
-    """Check that a recording's axes are the model's, in the model's order, and turn or slide as they do.
+    """Check that the axes of a recording are those of the model, in its order, and of the same kind (hinge
+    or slide).
 
     Raises:
         InputError: an axis is unknown, missing, out of order, or in the other kind's unit.

@@ -1,4 +1,4 @@
-"""In which coordinates a feedforward was logged."""
+"""Coordinates in which a feedforward was logged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ _TOLD = 0.5  # times what the other reading leaves of the command
 
 
 def feedforward_of_drives(recording: Recording, controller: Controller, transmission: np.ndarray) -> bool:
-    """Whether a log in joint coordinates has its feedforward in those of the drives, where loops may add it.
+    """Return whether a log in joint coordinates has its feedforward in drive coordinates, if loops may add
+    it there.
 
     The logged command tells: it is the law of what was read at a tick, and the feedforward. Where it was not
     logged, or says nothing, the feedforward is in the log's own coordinates as all else is.

@@ -1,4 +1,4 @@
-"""Which loop holds a machine while an excitation plays, and whether it needs one that is not there."""
+"""The loop that holds a machine during an excitation, and whether one is needed but missing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .designs import holds, predictor, without_loop
 
 
 def with_loop_of(model: Model, recording: str | Path) -> Model:
-    """The model in the loop that a recording states; of the recording only its TOML file is read.
+    """Return the model with the loop that a recording states; only the TOML file of the recording is read.
 
     Raises:
         InputError: it cannot be read, has other axes, or states no loop that holds a posture.
@@ -39,7 +39,7 @@ def with_loop_of(model: Model, recording: str | Path) -> Model:
 
 
 def check_held(model: Model, design: Design, limits: Sequence[Limit]) -> None:
-    """Refuse a machine that no loop holds and that leaves a joint's range by itself, with nothing played.
+    """Refuse a machine without a loop that leaves the range of a joint by itself, without excitation.
 
     No excitation is small enough for it, and to find that out by shrinking one takes long.
 

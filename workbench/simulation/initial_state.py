@@ -1,4 +1,4 @@
-"""The state in which the run of a recording begins: as it is stated, or as the first rows show."""
+"""The state at the start of a recording: as stated, or as its first rows show it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def initial_state(
     to_actuator: np.ndarray,
     j: np.ndarray,
 ) -> np.ndarray:
-    """Initial (q_s, rate), (2, n): at rest at the first reference, unless the first rows say otherwise.
+    """Return the initial (q_s, rate), (2, n): at rest at the first reference, unless the first rows show
+    something else.
 
     Args:
         recording: what is replayed.

@@ -17,7 +17,8 @@ from .trajectory import Track
 def required_torque(
     plant: Plant, track: Track, step: float | None = None, rigid: np.ndarray | None = None
 ) -> np.ndarray:
-    """Motor torque (N, n) at the tap that a track needs, actuator coordinates, by MuJoCo's inverse dynamics.
+    """Return the motor torque (N, n) at the point of measurement that a track needs, actuator coordinates,
+    by inverse dynamics.
 
     Dry friction acts against the motion with its full bound; the chain's gain and bias are undone, and what
     heat takes where the rows' `step` [s] is given. `rigid`: the `rigid_torque` of this track, where known.
@@ -38,7 +39,8 @@ def required_torque(
 
 
 def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
-    """Torque of the serial joints (N, n) that MuJoCo's model needs for a track, without dry friction.
+    """Return the torque of the serial joints (N, n) that MuJoCo's model needs for a track, without dry
+    friction.
 
     Links and motors move as one: what bends is taken as rigid.
     """
@@ -50,7 +52,7 @@ def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
 
 
 def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarray:
-    """Gain of the motors (N, n) along a torque at the tap (N, n), less what heat takes."""
+    """Return the gain of the motors (N, n) along a measured torque (N, n), reduced by heating."""
     out = np.tile(chain.gain, (len(torque), 1))
     for i in np.flatnonzero(chain.heating):
         warm = heat(torque[:, i], step, chain.heat_time[i])
@@ -59,14 +61,16 @@ def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarra
 
 
 def copy_without_friction(m: mujoco.MjModel) -> mujoco.MjModel:
-    """The same model with dry friction switched off."""
+    """Return the same model with dry friction switched off."""
     out = copy.copy(m)
     out.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
     return out
 
 
 def laws_of_state(plant: Plant, track: Track) -> np.ndarray:
-    """Torque of the chain's laws of the state along a track, (N, n), actuator coordinates."""
+    """Return the torque of the state-dependent laws of the chain along a track, (N, n), actuator
+    coordinates.
+    """
     total = np.zeros_like(track.velocity)
     for term in plant.chain.torques:
         row = _row(plant, term.tendon)
@@ -80,7 +84,7 @@ def laws_of_state(plant: Plant, track: Track) -> np.ndarray:
 
 
 def dry_friction(plant: Plant, track: Track, torque: np.ndarray) -> np.ndarray:
-    """Torque that overcomes the model's dry friction along a track, (N, n), actuator coordinates.
+    """Return the torque against the dry friction of the model along a track, (N, n), actuator coordinates.
 
     `torque` (N, n) is that on the drives' shafts, which may load the friction.
     """

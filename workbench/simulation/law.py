@@ -1,4 +1,4 @@
-"""The torque that a stated loop gave along a motion that was measured, where none was logged."""
+"""Torque of a log without torque: what a stated loop gave along the measured motion."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from .trajectory import Track
 
 
 def law_torque(recording: Recording, plant: Plant, track: Track, ahead: float = 0.0) -> np.ndarray:
-    """Torque (N, n) of the drives, actuator coordinates, the mean over a row's time from each row on.
+    """Return the torque (N, n) of the drives, actuator coordinates; the mean over one row time from
+    each row on.
 
     The loop reads the motion at each of its ticks, between rows too, holds its command until the next one,
     and the model's delay and torque limits follow.

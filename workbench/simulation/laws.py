@@ -1,4 +1,4 @@
-"""Torques that depend on the state, once a step."""
+"""State-dependent torques, computed once per step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from workbench.effects import LONGEST, FlankTerm, FrictionTerm, Plant, TorqueTer
 
 
 class Terms(NamedTuple):
-    """L laws on tendons: where their code is, (L,); tendon and drive, (L,); row over joints (L, nv)."""
+    """L laws on tendons: address of their code, (L,); tendon and drive, (L,); row over joints (L, nv)."""
 
     address: np.ndarray
     tendon: np.ndarray
@@ -72,7 +72,7 @@ class Laws(NamedTuple):
 
 
 def laws_of(plant: Plant, model: mujoco.MjModel, state: np.ndarray) -> Laws:
-    """The laws of a plant for a run that starts at `state` (2, nv) and has a MuJoCo model of its own."""
+    """Return the laws of a plant for a run that starts at `state` (2, nv) and has its own MuJoCo model."""
     chain = plant.chain
     tendons = [t.spring for t in chain.hysteresis]
     rows = np.array([tendon_row(model, name) for name in tendons]).reshape(-1, model.nv)
@@ -125,7 +125,7 @@ def _flanks(terms: Sequence[FlankTerm], model: mujoco.MjModel) -> Flanks:
 
 @compiled()
 def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, force: np.ndarray) -> None:
-    """Set friction bounds and add torques for the coming step.
+    """Set friction limits and add torques for the coming step.
 
     Everything is taken at the middle of the step, by extrapolating the speed half a step.
 

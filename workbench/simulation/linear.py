@@ -1,4 +1,4 @@
-"""How a small torque travels round the sampled loop: the closed loop linearised along a motion.
+"""Propagation of a small torque through the sampled loop: the closed loop, linearised along a motion.
 
 A torque T(t) that the model lacks, taken along the measured motion, changes what the model would have
 done by S T, where S is the loop's response to a disturbance torque. For a system linear in its state
@@ -28,7 +28,7 @@ _EVERY_S = 0.004  # posture and speed change little within this time
 
 @dataclass(frozen=True)
 class Loop:
-    """One run linearised: plant matrices at rows, sampled feedback, delay; v joints and n axes.
+    """One linearised run: plant matrices at rows, sampled feedback, delay; v joints and n axes.
 
     Attributes:
         rows: (R,) rows at which the matrices are given; between them they change along straight lines.
@@ -70,7 +70,8 @@ class Loop:
 
 
 def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarray | None = None) -> Loop:
-    """Linearise mechanism and loop along a track; dry friction is left out (it has no slope).
+    """Return mechanism and loop linearised along a track; dry friction is left out because it has no
+    slope.
 
     `gain` (N, n) of the motors along the track, where it is not that of the chain.
     """
@@ -149,7 +150,9 @@ def _saturated(plant: Plant, e: Experiment, track: Track) -> np.ndarray:
 
 
 def slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]:
-    """Rows and, at these rows, M, C = d(inverse dynamics)/d(rate), K = d/d(position); joint coordinates."""
+    """Return rows and, at these rows, M, C = d(inverse dynamics)/d(rate), K = d/d(position); joint
+    coordinates.
+    """
     m = copy.copy(plant.mujoco)
     m.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER  # the derivative functions know no Runge-Kutta
     m.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)

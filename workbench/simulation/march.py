@@ -1,4 +1,4 @@
-"""Many small disturbances sent round linearised loops, all columns side by side, as machine code."""
+"""Propagation of many small disturbances through linearised loops, all columns together, as machine code."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from workbench.effects import follow
 
 
 class Around(NamedTuple):
-    """A loop and what enters it: N rows, K substeps, n axes, v joints, C columns.
+    """A linearised loop and its inputs: N rows, K substeps, n axes, v joints, C columns.
 
     Attributes:
         at: (R,) rows at which plant matrices are given; `transition`, `entry`: there, over a substep.
@@ -44,7 +44,7 @@ class Around(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What sensors make of small motions.
+    """Readings of small motions by the sensors.
 
     Attributes:
         map: (2n, 2v), state to position and rate that are read.
@@ -83,7 +83,7 @@ def _between(first: np.ndarray, second: np.ndarray, part: float, out: np.ndarray
 
 @compiled(nogil=True)
 def march(a: Around, r: Reading, fresh: np.ndarray, position: np.ndarray, tap: np.ndarray) -> None:
-    """Fill the reading of the drives' position and the torque compared, (N, n, C) each."""
+    """Fill the readings of drive position and compared torque, (N, n, C) each."""
     n, count, last = position.shape[1], position.shape[2], len(a.is_tick) - 1
     state, ring, late = a.state, a.whole + 2, r.whole + 2
     history, seen_before = np.zeros((ring, n, count)), np.zeros((late, 2 * n, count))

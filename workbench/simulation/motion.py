@@ -1,4 +1,4 @@
-"""Everything that effects need to know of a motion, from a recording and the track that was made."""
+"""Everything that effects need to know of a motion, from a recording and its track."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _EVERY_S = 0.004  # inverse dynamics is smooth within this time
 
 
 def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.ndarray) -> Motion:
-    """What the model `plant` and the recording say of a track."""
+    """Return what the model `plant` and the recording state of a track."""
     model, chain, step = plant.model, plant.chain, recording.period
     measured, back = recording.get("torque_measured"), np.linalg.inv(to_actuator)
     rows, at_tap = _commanded(recording, plant, track, to_actuator)
@@ -110,7 +110,7 @@ def _required(model: Model, track: Track, step: float) -> np.ndarray:
 
 
 def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-    """Inertia and damping (n,) of each drive, what was found to be more or less of it included."""
+    """Return inertia and damping (n,) of each drive, including identified corrections."""
     m, model = plant.mujoco, plant.model
     tendons = [m.tendon(axis_tendon(i)).id for i in range(model.size)]
     own = 0.0 if model.has("actuator_inertia_coupling") else rotors(model)[1]
@@ -120,7 +120,9 @@ def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
-    """Mass matrix (N, n, n) in actuator coordinates along a track, links and rotors moving as one."""
+    """Return the mass matrix (N, n, n) in actuator coordinates along a track, with links and rotors rigidly
+    connected.
+    """
     back = np.linalg.inv(plant.model.transmission)
     masses = _along(plant, track, lambda at: plant.lift.T @ mass_matrices(plant.mujoco, at) @ plant.lift)
     tree = back.T @ masses @ back
@@ -128,7 +130,7 @@ def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
 
 
 def momentum_of(plant: Plant, track: Track) -> tuple[np.ndarray, float]:
-    """Momentum of all bodies by the drives' speeds (N, 3, n), and their mass [kg]."""
+    """Return the momentum of all bodies per drive speed (N, 3, n), and their mass [kg]."""
     mass, back = float(plant.mujoco.body_subtreemass[0]), np.linalg.inv(plant.model.transmission)
     return mass * _along(plant, track, lambda at: com_slopes(plant.mujoco, at) @ plant.lift) @ back, mass
 
@@ -142,7 +144,8 @@ def _along(plant: Plant, track: Track, of: Callable[[np.ndarray], np.ndarray]) -
 
 
 def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | None:
-    """Torque command (N, n) that a stated loop asks for along a track, actuator coordinates, without limits.
+    """Return the torque command (N, n) of a stated loop along a track, actuator coordinates, without
+    limits.
 
     None where no loop is stated, or one that has a limit of its own.
     """
@@ -158,7 +161,8 @@ def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | 
 
 
 def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:
-    """Torque command that a loop's stated gains ask for on one controller axis along a track, (2, N, n).
+    """Return the parts of the torque command from the stated gains of one controller axis along a track, (2,
+    N, n).
 
     First the share that grows with the gain on position (kp), then that with the gain on velocity (kd of a
     PD loop, kv of a cascade), in actuator coordinates, held from tick to tick; zero for an open loop.

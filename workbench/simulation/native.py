@@ -31,7 +31,7 @@ _STEP = 1e-6
 
 
 def inverse_forces(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """Forces (N, nv) by MuJoCo's inverse dynamics for states (N, 2, nv) and accelerations (N, nv)."""
+    """Return forces (N, nv) of MuJoCo's inverse dynamics for states (N, 2, nv) and accelerations (N, nv)."""
     data = mujoco.MjData(m)
     out = np.empty_like(acceleration)
     views = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
@@ -40,7 +40,9 @@ def inverse_forces(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarr
 
 
 def inverse_slopes(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """Derivatives of these forces by acceleration, rate and position, (3, N, nv, nv); force in the rows."""
+    """Return derivatives of these forces by acceleration, rate and position, (3, N, nv, nv); the force is
+    the row index.
+    """
     data = mujoco.MjData(m)
     out = np.empty((3, len(acceleration), m.nv, m.nv))
     _derivatives(m._address, data._address, (data.qpos, data.qvel, data.qacc), states, acceleration, out)
@@ -49,7 +51,7 @@ def inverse_slopes(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarr
 
 
 def mass_matrices(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
-    """Mass matrices (N, nv, nv) at positions (N, nv)."""
+    """Return mass matrices (N, nv, nv) at positions (N, nv)."""
     data = mujoco.MjData(m)
     out = np.empty((len(positions), m.nv, m.nv))
     _masses(m._address, data._address, data.qpos, positions, out)
@@ -57,7 +59,7 @@ def mass_matrices(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
 
 
 def com_slopes(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
-    """Jacobians (N, 3, nv) of the common centre of mass at positions (N, nv)."""
+    """Return Jacobians (N, 3, nv) of the common centre of mass at positions (N, nv)."""
     data = mujoco.MjData(m)
     out = np.empty((len(positions), 3, m.nv))
     _com_jacobians(m._address, data._address, data.qpos, positions, out)
@@ -65,7 +67,7 @@ def com_slopes(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
 
 
 def tendon_slopes(m: mujoco.MjModel, tendon: int, positions: np.ndarray) -> np.ndarray:
-    """Slopes (N, nv) of a tendon's length by the joints at positions (N, nv)."""
+    """Return derivatives (N, nv) of the length of a tendon by the joints at positions (N, nv)."""
     data, first = mujoco.MjData(m), int(m.ten_J_rowadr[tendon])
     part = slice(first, first + int(m.ten_J_rownnz[tendon]))
     found = np.empty((len(positions), part.stop - part.start))

@@ -28,7 +28,7 @@ _PIECE = 0.5e-3  # s
 
 
 class PosturePlant:
-    """A model's mechanism and its drives.
+    """The mechanism of a model and its drives.
 
     Args:
         model: names its closed chain and limits.
@@ -50,7 +50,7 @@ class PosturePlant:
         self.map = found
 
     def acceleration(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> np.ndarray:
-        """Of the joints (B, n), under torques of the drives (B, n) [N m].
+        """Return accelerations of the joints (B, n) for drive torques (B, n) [N m].
 
         Raises:
             SimulationError: far outside the limits.
@@ -64,7 +64,7 @@ class PosturePlant:
 def run_posture(
     plant: PosturePlant, recording: Recording, noise: Sequence[SensorNoise | None], late: float = 0.0
 ) -> list[Recording]:
-    """Runs of one recording, one per draw of noise; None runs without.
+    """Return runs of one recording, one per draw of noise; None simulates without noise.
 
     Args:
         plant: the mechanism.
@@ -140,7 +140,7 @@ class _Sensors:
 
 
 def refuse_joint_coordinates(recording: Recording) -> None:
-    """Refuse a recording that is not of the drives, where the transmission changes with the posture.
+    """Refuse a recording in joint coordinates if the transmission changes with the posture.
 
     Raises:
         InputError: it is in joint coordinates.

@@ -1,4 +1,4 @@
-"""What depends on the posture alone, along a track: Jacobians and frames of sites and links."""
+"""Quantities that depend only on the posture, along a track: Jacobians and frames of sites and links."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _STRIDE = 4  # rows; smooth between them
 
 
 def site_jacobian(plant: Plant, track: Track, site: str) -> np.ndarray:
-    """Jacobian of a site's world position with respect to q_p along a track, shape (N, 3, n)."""
+    """Return the Jacobian of the world position of a site with respect to q_p along a track, (N, 3, n)."""
     m, full = plant.links, np.zeros((3, plant.links.nv))
     _, dofs = joint_columns(m, plant.model.links[1])
     ident = m.site(site).id
@@ -30,7 +30,7 @@ def site_jacobian(plant: Plant, track: Track, site: str) -> np.ndarray:
 
 
 def link_motions(plant: Plant, track: Track, step: float) -> list[LinkMotion]:
-    """Motion of the body of each serial joint along a track with rows `step` [s] apart."""
+    """Return the motion of the body of each serial joint along a track with rows `step` [s] apart."""
     m, names = plant.links, plant.model.links[1]
     _, dofs = joint_columns(m, names)
     bodies = [int(m.joint(name).bodyid[0]) for name in names]

@@ -1,4 +1,4 @@
-"""Small disturbances of a run, sent round its linearised loop: what `march` needs is made of them here."""
+"""Small disturbances of a run, propagated through its linearised loop: prepares the inputs of `march`."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class Disturbance:
 def propagate(
     loops: Sequence[Loop], disturbances: Sequence[Disturbance]
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Response of the position that is read and of the torque that is compared.
+    """Return the responses of the position reading and the compared torque.
 
     Args:
-        loops: one a run; any lengths and rates.
-        disturbances: one a run; the same number of columns for all.
+        loops: one per run; any lengths and rates.
+        disturbances: one per run; the same number of columns for all.
 
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.

@@ -1,4 +1,4 @@
-"""Run models the way recordings were made, any number of runs side by side."""
+"""Simulates models as recordings were made, any number of runs together."""
 
 from __future__ import annotations
 
@@ -41,7 +41,8 @@ class Run:
 
 
 def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
-    """Simulate every run: same references, controller, sampling, delay, injected torque, initial state.
+    """Return all simulated runs: same references, controller, sampling, delay, injected torque, initial
+    state.
 
     Args:
         runs: any mixture of models and recordings; they run on all cores.

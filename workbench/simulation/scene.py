@@ -1,4 +1,4 @@
-"""A robot as lines that move: what a page or a film draws of a recording or a policy's run."""
+"""A robot as moving lines, for a page or a film of a recording or a policy run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST = 1800  # frames
 
 @dataclass(frozen=True)
 class Scene:
-    """Lines in the world by frame.
+    """Lines in the world, per frame.
 
     Attributes:
         time: of the frames (F,) [s].
@@ -32,7 +32,7 @@ class Scene:
 
 
 def scene_of(m: mujoco.MjModel, time: np.ndarray, qpos: np.ndarray) -> Scene:
-    """The scene of a compiled tree along positions (N, nq) at times (N,) [s].
+    """Return the scene of a compiled tree at positions (N, nq) and times (N,) [s].
 
     Bodies are lines to the joints that hang on them, capsules and cylinders their axes, boxes their edges.
     """
@@ -49,7 +49,7 @@ def scene_of(m: mujoco.MjModel, time: np.ndarray, qpos: np.ndarray) -> Scene:
 
 
 def scene_of_recording(recording: Recording, model: Model) -> Scene:
-    """The same of a recording and the model of its machine.
+    """Return the scene of a recording and the model of its machine.
 
     Raises:
         InputError: other axes than the model's, or a base that moves and no pose of it.

@@ -1,4 +1,4 @@
-"""The sensors of one run: the motion that is made, and what the log and the controller read of it."""
+"""The sensors of one run: what log and controller read of the true motion."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .experiment import Experiment
 
 
 class Sensors(NamedTuple):
-    """What stands between motion and reading, as numbers; arrays (n,).
+    """Errors between motion and reading, as numbers; arrays (n,).
 
     Attributes:
         honest: whether readings are the motion; nothing else counts then.
@@ -35,7 +35,9 @@ class Sensors(NamedTuple):
 
 
 def sensors_of(e: Experiment, plant: Plant) -> tuple[Sensors, np.ndarray]:
-    """The sensors of a plant in an experiment, and the true motion of the drives at its start, (2, n)."""
+    """Return the sensors of a plant in an experiment, and the true motion of the drives at its start,
+    (2, n).
+    """
     errors: SensorErrors = plant.chain.sensors
     start = e.start @ plant.model.transmission.T
     honest = errors.none
@@ -63,7 +65,7 @@ def sensors_of(e: Experiment, plant: Plant) -> tuple[Sensors, np.ndarray]:
 def reading(
     errors: SensorErrors, position: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Position and its rate as sensors see them, without lag and delay; arrays broadcast over axes."""
+    """Return position and rate as sensors show them, without lag and delay; arrays broadcast over axes."""
     sine, cosine = np.sin(position), np.cos(position)
     slope = errors.scale + errors.sine * cosine - errors.cosine * sine
     seen = errors.scale * position + errors.sine * sine + errors.cosine * cosine + errors.offset
@@ -73,7 +75,7 @@ def reading(
 def true_motion(
     errors: SensorErrors, position: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The motion whose `reading` is this; lag and delay are left aside."""
+    """Return the motion of which this is the `reading`; lag and delay are ignored."""
     true = (position - errors.offset) / errors.scale
     for _ in range(20):
         seen, slope = reading(errors, true, np.ones_like(true))
@@ -84,7 +86,7 @@ def true_motion(
 
 @compiled()
 def record(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
-    """Take in the motion at substep `k` (above 0), (n,) each."""
+    """Store the motion at substep `k` (above 0), (n,) each."""
     if s.honest:
         return
     seen = s.seen
@@ -103,7 +105,7 @@ def record(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> No
 
 @compiled()
 def read(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
-    """Turn the motion at substep `k`, (n,) each, into what is read there, in place."""
+    """Replace the motion at substep `k`, (n,) each, by its reading, in place."""
     if s.honest:
         return
     when = max(k - s.late, 0.0)
@@ -125,6 +127,6 @@ def read(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None
 
 @compiled()
 def logged(s: Sensors, stride: int, position: np.ndarray, velocity: np.ndarray) -> None:
-    """Turn the motion at every `stride`-th substep, (N, n) each, into what the log shows, in place."""
+    """Replace the motion at every `stride`-th substep, (N, n) each, by what the log shows, in place."""
     for row in range(len(position)):
         read(s, row * stride, position[row], velocity[row])

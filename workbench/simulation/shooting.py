@@ -23,7 +23,7 @@ from .world import World, world_of
 
 @dataclass(frozen=True)
 class Windows:
-    """Where windows begin, and under which torques they run; actuator coordinates.
+    """Starts and torques of windows; actuator coordinates.
 
     Attributes:
         starts: first row of each window, ascending, (W,); a window ends where the next begins, the last at N.
@@ -43,7 +43,7 @@ class Windows:
 
 @dataclass(frozen=True)
 class Shots:
-    """What a model does in all windows, row by row; NaN before the first window, and where a run is lost.
+    """Motion of a model in all windows, row by row; NaN before the first window and where a run diverges.
 
     `position`, `velocity`: of the drives as sensors show them, (N, n). `force`: of the ground on the feet,
     world frame, (N, 3 F).
@@ -55,7 +55,7 @@ class Shots:
 
 
 def shoot(plant: Plant, windows: Windows) -> Shots:
-    """Run a plant on its ground through all windows."""
+    """Return the runs of a plant on its ground through all windows."""
     world, keep, states, shaft = _ready(plant, windows)
     rows = len(windows.torque)
     columns = plate_columns(plant.mujoco, plant.contacts)
@@ -95,7 +95,7 @@ class _Rows:
 
 @dataclass(frozen=True)
 class Tangents:
-    """How small changes travel through all windows of a plant, linearised row by row.
+    """Propagation of small changes through all windows of a plant, linearised row by row.
 
     What the rows do is worked out once and kept, where it is not too much.
     """
@@ -104,7 +104,7 @@ class Tangents:
     windows: Windows
 
     def travel(self, extra: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What C small changes come to.
+        """Return the responses to C small changes.
 
         Args:
             extra: torque on the mechanism, (C, N, n).

@@ -1,4 +1,4 @@
-"""The motion that was really made: the simulation corrected by what the sensors say of it."""
+"""The true motion: the simulation, corrected by the measurement."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def smooth_track(
     velocity_std: np.ndarray,
     band_hz: float | None = None,
 ) -> Track:
-    """Estimate the motion by adding to a simulation the smoothed difference from the measurement.
+    """Return the estimated motion: a simulation plus the smoothed difference from the measurement.
 
     Position and velocity are fused by their noise at each frequency, and a Wiener filter keeps of the
     difference what stands above the noise. The smaller the difference, the less noise gets in: a right
@@ -124,7 +124,7 @@ def _extend_even(x: np.ndarray, pad: int) -> np.ndarray:
 
 
 def joint_columns(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Addresses of joints in qpos and qvel."""
+    """Return addresses of joints in qpos and qvel."""
     return (
         np.array([m.joint(name).qposadr[0] for name in joints]),
         np.array([m.joint(name).dofadr[0] for name in joints]),
@@ -132,7 +132,9 @@ def joint_columns(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarra
 
 
 def interpolate(rows: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    """Linear interpolation of (len(rows), ...) values given at ascending `rows` to all 0..count-1."""
+    """Return (len(rows), ...) values, given at ascending `rows`, interpolated linearly at all rows
+    0..count-1.
+    """
     at = np.arange(count)
     left = np.clip(np.searchsorted(rows, at, side="right") - 1, 0, len(rows) - 2)
     part = (at - rows[left]) / (rows[left + 1] - rows[left])

@@ -1,4 +1,4 @@
-"""What a loop took for the speed where no speed was logged: the logged command tells.
+"""The speed that a loop used when no speed was logged, from the logged command.
 
 A loop may have a sensor of speed that the log leaves out, or differentiate its encoder from tick to tick. Its
 law and its command, solved for the speed, say what it read.
@@ -14,7 +14,8 @@ _ENOUGH = 50  # ticks
 
 
 def rate_read(experiment: Experiment) -> tuple[np.ndarray, np.ndarray] | None:
-    """Rows at which the loop sampled and the speed (M, n) that it read there, the recording's coordinates.
+    """Return rows at which the loop sampled and the speed (M, n) that it read there, in coordinates of the
+    recording.
 
     None where the command was not logged as it was asked for, or the law knows no speed.
     """
@@ -44,7 +45,7 @@ def rate_read(experiment: Experiment) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def differentiates(experiment: Experiment) -> bool:
-    """Whether the loop takes its speed from the encoder, by the difference from tick to tick.
+    """Return whether the loop computes its speed as the difference of encoder readings from tick to tick.
 
     Where the controller does not say it: it does not where a speed was measured. Where none was, the command
     decides, and without one it does.

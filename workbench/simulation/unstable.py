@@ -1,4 +1,4 @@
-"""Why a run became unstable: the effect without which it does not, or the loop that it runs in."""
+"""Why a run became unstable: the effect without which it is stable, or the gains of its loop."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def raise_where_unstable(
     made: Recording,
     again: Callable[[Model], Recording],
 ) -> None:
-    """Name a run whose state is not finite, when, and because of what.
+    """Raise an error that names the run whose state is not finite, the time, and the cause.
 
     Args:
         model, recording: what was run.

@@ -1,4 +1,4 @@
-"""Windows of a machine on its ground, run and differentiated row by row as machine code."""
+"""Windows of a machine on its ground, simulated and differentiated row by row as machine code."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run_windows(
     speed: np.ndarray,
     force: np.ndarray,
 ) -> None:
-    """Fill motion of the joints (N, nv) and force (N, 3 F)."""
+    """Fill the motion of the joints (N, nv) and the force (N, 3 F)."""
     for w in range(len(states)):
         _place(world, states[w])
         for k in range(edges[w], edges[w + 1]):
@@ -65,7 +65,7 @@ def differentiate(
     slopes: np.ndarray,
     touch: np.ndarray,
 ) -> None:
-    """Fill what each row of windows that begin in `states` does to small changes (see `_Rows`)."""
+    """Fill the derivatives of each row of the windows that begin in `states` (see `_Rows`)."""
     joints, n, feet = len(world.speed), shaft.shape[1], len(columns)
     size = 2 * joints
     base, felt, other, pushed = np.zeros((2, joints)), np.zeros(feet), np.zeros(feet), np.zeros(n)

@@ -1,4 +1,4 @@
-"""One run stepped in MuJoCo from its first row to its last, as machine code."""
+"""One run in MuJoCo from its first row to its last, as machine code."""
 
 from __future__ import annotations
 
@@ -44,14 +44,16 @@ class World(NamedTuple):
 
 
 class Keep(NamedTuple):
-    """What must live as long as a world."""
+    """Objects that must live as long as a world."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
 
 
 def world_of(plant: Plant, start: np.ndarray) -> tuple[World, Keep]:
-    """A plant with its drives at a position and speed, (2, n); the second keeps the first's memory."""
+    """Return a plant with its drives at a position and speed, (2, n), and the objects that keep its memory
+    alive.
+    """
     model = copy.copy(plant.mujoco) if plant.chain.follows_state else plant.mujoco
     data = mujoco.MjData(model)
     state = plant.state_at(start @ np.linalg.inv(plant.model.transmission).T)
@@ -90,7 +92,7 @@ def march(
     position: np.ndarray,
     velocity: np.ndarray,
 ) -> None:
-    """Run over all K substeps; what lies behind the time at which a run is lost stays NaN.
+    """Simulate all K substeps; after the time at which a run diverges, values stay NaN.
 
     Args:
         world, control, drives, sensors: the run at its start.
@@ -139,7 +141,7 @@ def _step(world: World, shaft: np.ndarray) -> None:
 
 @compiled()
 def push(world: World, shaft: np.ndarray) -> None:
-    """Set the forces of MuJoCo's next step: torques on the drives' shafts, (n,), and laws of the state."""
+    """Set the forces of MuJoCo's next step: drive torques (n,) and state-dependent laws."""
     for j in range(len(world.force)):
         world.force[j] = 0.0
         for i in range(len(shaft)):

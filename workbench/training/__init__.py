@@ -1,4 +1,4 @@
-"""Policies in the normalised simulator: tasks, worlds, learning, bundles, virtual hardware.
+"""Training of policies in the normalised simulator: tasks, worlds, learning, bundles, virtual hardware.
 
 Nothing here needs torch until something learns: `ppo`, `learn`, `checkpoint`, `curve`, `export` and
 `warp_worlds` belong to the extra ``training``.

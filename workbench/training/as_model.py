@@ -1,4 +1,4 @@
-"""The world that a walking policy was trained in, as a model that its recordings are held against."""
+"""The world in which a walking policy was trained, as a model for comparison with its recordings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .machine import LEGS, STEP_S, Machine
 
 
 def model_files(machine: Machine, folder: Path) -> dict[Path, str]:
-    """Texts of a model (TOML) and its MJCF, by file in `folder`; none where drives have joints of their own.
+    """Return the texts of a model (TOML) and its MJCF, by file in `folder`; empty if drives have joints of
+    their own.
 
     Args:
         machine: of kind ``quadruped``; a leg's recordings are held against the leg's own model.

@@ -16,14 +16,14 @@ from workbench.core.files import write_whole
 
 
 def save(path: Path, content: Mapping[str, Any]) -> None:
-    """Replace the checkpoint at `path`; whoever is stopped meanwhile still has the one before."""
+    """Replace the checkpoint at `path`; if this is interrupted, the previous one remains."""
     stream = io.BytesIO()
     torch.save(_tensors(content), stream)
     write_whole(path, stream.getvalue(), force=True)
 
 
 def load(path: Path, device: str) -> dict[str, Any]:
-    """Read a checkpoint: tensors, numbers and text, never code.
+    """Return a checkpoint: tensors, numbers and text, never code.
 
     Raises:
         InputError: there is none, or it is not one of ours.

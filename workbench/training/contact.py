@@ -1,4 +1,4 @@
-"""How feet and floor touch in MuJoCo, as a law that is stated.
+"""Contact of feet and floor in MuJoCo, as a stated law.
 
 MuJoCo's contact is a spring and damper of acceleration, critically damped with a time constant (``solref``)
 that may not be shorter than twice the step. Its default, 20 ms, lets a foot sink where hardware is hard.
@@ -16,7 +16,7 @@ import mujoco
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """A contact.
+    """A contact law.
 
     Attributes:
         time_constant_s: of the critically damped contact [s].
@@ -33,7 +33,9 @@ class ContactLaw:
         return f"{1e3 * self.time_constant_s:g} ms, steps of {1e3 * self.step_s:g} ms, {cone} cone"
 
     def applied(self, m: mujoco.MjModel, feet: Sequence[str]) -> mujoco.MjModel:
-        """A copy of a compiled machine whose feet, spheres that go before the floor, have this law."""
+        """Return a copy of a compiled machine whose feet (spheres with priority over the floor) have
+        this law.
+        """
         made = m.__copy__()
         made.opt.timestep = self.step_s
         for foot in feet:

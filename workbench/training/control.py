@@ -6,7 +6,7 @@ from .situation import Array, Constants
 
 
 def drive_torque(c: Constants, target: Array, position: Array, velocity: Array) -> Array:
-    """Torque that the loop asks of the drives (W, n) [N m], clipped as they clip it.
+    """Return the torque command of the loop to the drives (W, n) [N m], clipped as the drives clip it.
 
         tau_s = Kp (target - q_s) - Kd q_s',   tau_p = J^-T tau_s      (paper, Eq. 4)
 
@@ -20,5 +20,5 @@ def drive_torque(c: Constants, target: Array, position: Array, velocity: Array) 
 
 
 def action_target(c: Constants, action: Array, scale: float) -> Array:
-    """Joint angles that an action asks for (W, n) [rad]: the posture, plus `scale` an action unit."""
+    """Return the joint angles of an action (W, n) [rad]: the posture plus `scale` times the action."""
     return c.posture + scale * action

@@ -1,4 +1,4 @@
-"""The learning curve: rewards and lengths of episodes counted up, and a row an iteration written down."""
+"""The learning curve: sums of rewards and lengths of episodes, and one row per iteration."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .situation import POLICY_S
 
 
 class Tally:
-    """Counts rewards over steps and episodes, without waiting for a GPU before a row is asked for.
+    """Sums of rewards over steps and episodes; a GPU is read only when a row is asked for.
 
     Args:
         worlds: how many.
@@ -32,7 +32,7 @@ class Tally:
         self._clear()
 
     def add(self, reward: torch.Tensor, ended: torch.Tensor, terms: Mapping[str, Any]) -> None:
-        """Count a step: rewards and ends (W,), and the mean of each term a second."""
+        """Add one step: rewards and ends (W,), and the mean of each term per second."""
         self._rewards.append(reward.mean())
         for name, value in terms.items():
             self._terms.setdefault(name, []).append(torch.as_tensor(value))
@@ -44,7 +44,7 @@ class Tally:
         self._sums *= 1.0 - mark
 
     def row(self) -> dict[str, float]:
-        """What has been counted since the last row."""
+        """Return the sums since the last row."""
         self._last = torch.where(self._count > 0, self._ended / self._count.clamp(min=1.0), self._last)
         out = {
             "reward": float(torch.stack(self._rewards).mean()) / POLICY_S,
@@ -56,11 +56,11 @@ class Tally:
         return out
 
     def state(self) -> dict[str, torch.Tensor]:
-        """What the next rows depend on."""
+        """Return the state on which the next rows depend."""
         return {"sums": self._sums, "last": self._last}
 
     def restore(self, state: Mapping[str, torch.Tensor]) -> None:
-        """Go on where `state` was taken."""
+        """Continue from a `state`."""
         self._sums, self._last = state["sums"].clone(), state["last"].clone()
 
     def _clear(self) -> None:
@@ -84,12 +84,12 @@ class Curve:
         self._rows = [row for row in read_curve(folder) if row["iteration"] <= done]
 
     def add(self, iteration: int, values: Mapping[str, float]) -> None:
-        """A row; it is in the CSV file after the next `flush`."""
+        """Add a row; the CSV file contains it after the next `flush`."""
         self._rows.append({"iteration": float(iteration), **values})
         self._logger.add(iteration, {re.sub("^(term|loss)_", r"\1/", name): x for name, x in values.items()})
 
     def flush(self) -> None:
-        """Write the CSV file anew, whole."""
+        """Write the complete CSV file again."""
         stream = io.StringIO()
         writer = csv.DictWriter(stream, list(self._rows[0]), lineterminator="\n", restval="")
         writer.writeheader()
@@ -99,5 +99,5 @@ class Curve:
         self._logger.flush()
 
     def close(self) -> None:
-        """Nothing more comes."""
+        """Close the loggers."""
         self._logger.close()

@@ -17,7 +17,7 @@ _ORDER = "after", "before", "good", "fifth", "accent", "measured"
 
 
 def read_curve(folder: Path) -> list[dict[str, float]]:
-    """The rows of a run's learning curve; none where there is no file."""
+    """Return the rows of the learning curve of a run; empty without a file."""
     file = folder / FILE
     if not file.exists():
         return []
@@ -26,7 +26,7 @@ def read_curve(folder: Path) -> list[dict[str, float]]:
 
 
 def draw(file: Path, rows: Sequence[Mapping[str, float]]) -> None:
-    """Reward, length of episodes and the terms of the reward over iterations, as PNG."""
+    """Draw reward, length of episodes and terms of the reward over iterations, as PNG."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 8.0), layout="constrained")

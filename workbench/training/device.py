@@ -1,4 +1,4 @@
-"""Where a policy is trained: the processor or a graphics card that is there."""
+"""The device for training: the processor or an available graphics card."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from workbench.core import InputError
 
 
 def usable(name: str) -> str:
-    """The device as torch names it, ``cpu`` or ``cuda:N``.
+    """Return the device as torch names it, ``cpu`` or ``cuda:N``.
 
     Raises:
         InputError: the name is none, or this machine has no such card.

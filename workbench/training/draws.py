@@ -1,4 +1,4 @@
-"""Random numbers for the worlds, on either array library; their state can be saved and restored."""
+"""Random numbers for the worlds, with numpy or torch; their state can be saved and restored."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .situation import Array
 
 
 class Draws:
-    """Uniform numbers from one seed.
+    """Uniform random numbers from one seed.
 
     Args:
         xp: `numpy` or `torch`.
@@ -29,7 +29,7 @@ class Draws:
             self._generator.manual_seed(seed)
 
     def constant(self, values: Sequence[float], shape: tuple[int, ...]) -> Array:
-        """The same numbers in every row."""
+        """Return the same numbers in every row."""
         key = tuple(values)
         if key not in self._known:  # a copy to a GPU makes everything wait
             like = self._like
@@ -41,7 +41,7 @@ class Draws:
         return self.xp.broadcast_to(self._known[key], shape)
 
     def uniform(self, low: Sequence[float], high: Sequence[float], shape: tuple[int, ...]) -> Array:
-        """Between `low` and `high`, one pair per column, or one for all."""
+        """Return numbers between `low` and `high`, one pair per column, or one for all."""
         if self.xp is np:
             unit = self._generator.random(shape)
         else:
@@ -51,14 +51,14 @@ class Draws:
         return floor + (ceiling - floor) * unit
 
     def state(self) -> dict[str, Any]:
-        """What `restore` takes; holds only numbers, text and tensors."""
+        """Return the argument of `restore`: numbers, text and tensors only."""
         if self.xp is not np:
             return {"torch": self._generator.get_state()}
         inner = self._generator.bit_generator.state
         return {"numpy": [str(inner["state"]["state"]), str(inner["state"]["inc"])]}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state` was taken."""
+        """Continue from a `state`."""
         if self.xp is not np:
             self._generator.set_state(state["torch"].cpu())
             return

@@ -1,4 +1,4 @@
-"""A task in many worlds at once: actions in, observations, rewards and ends of episodes out."""
+"""A task in many parallel worlds: takes actions, returns observations, rewards and ends of episodes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STEEPEST = 0.6  # cosine of the tilt beyond which it has fallen
 
 @dataclass
 class Step:
-    """What one policy step gives, W worlds.
+    """Result of one policy step, W worlds.
 
     Attributes:
         observation: what the policy sees next (W, k).
@@ -83,12 +83,12 @@ class Environment:
         self._begin(self.steps == 0.0)
 
     def spread(self) -> None:
-        """Set every world at a random point of its episode, so that they do not all end together."""
+        """Set every world to a random time of its episode, so that they do not all end together."""
         unit = self.draws.uniform((0.0,), (1.0,), (self.count, 1))[:, 0]
         self.steps = self.xp.floor(unit * self.task.episode_steps)
 
     def step(self, action: Array) -> Step:
-        """One policy step: the action is held over the control steps in it.
+        """Run one policy step: the action is held over its control steps.
 
         Args:
             action: (W, n); ``posture + action_scale * action`` are the angles that the joints' loop gets.
@@ -122,13 +122,13 @@ class Environment:
         return Step(observation, privileged, reward, ended, timed_out, means)
 
     def observe(self) -> tuple[Array, Array]:
-        """What the policy sees (W, k), and what the critic sees beside it (W, p)."""
+        """Return the observations of the policy (W, k) and the additional ones of the critic (W, p)."""
         now = self.situation()
         seen = self._stack(now, self.task.observations, self.noise)
         return seen, self._stack(now, self.task.privileged, False)
 
     def situation(self) -> Situation:
-        """The state of all worlds as the terms see it."""
+        """Return the state of all worlds for the terms of the task."""
         c, worlds = self.constants, self.worlds
         position, velocity = c.measured(worlds.qpos, worlds.qvel)
         now = Situation(
@@ -150,7 +150,7 @@ class Environment:
         return now
 
     def state(self) -> dict[str, Any]:
-        """All that the next step depends on, as arrays."""
+        """Return everything on which the next step depends, as arrays."""
         return {
             "worlds": self.worlds.state(),
             "draws": self.draws.state(),
@@ -159,7 +159,7 @@ class Environment:
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
+        """Continue from a `state`."""
         self.worlds.restore(state["worlds"])
         self.draws.restore(state["draws"])
         self.waiting = [self._own(x) for x in state["waiting"]]

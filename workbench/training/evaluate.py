@@ -1,4 +1,4 @@
-"""A bundle on virtual hardware, logged as a real test would be, and in the world that it was trained in."""
+"""Evaluates a bundle on virtual hardware, with the log of a real test, and in the world of its training."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .task import Task
 
 @dataclass(frozen=True)
 class Evaluation:
-    """How a policy did.
+    """Result of an evaluation.
 
     Attributes:
         recording: the log; rows every control step, the first `HOLD_S` seconds without the policy.
@@ -53,7 +53,7 @@ def evaluate(
     task_file: Path | None = None,
     tell: Callable[[float], None] = lambda done: None,
 ) -> Evaluation:
-    """Run a bundle's policy.
+    """Run the policy of a bundle, and return its scores and recording.
 
     Args:
         bundle: the policy.

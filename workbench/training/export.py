@@ -1,4 +1,4 @@
-"""From a run's folder to a policy bundle: the network as ONNX, and everything it needs beside it."""
+"""Makes a policy bundle from the folder of a run: the network as ONNX, and everything that it needs."""
 
 from __future__ import annotations
 
@@ -80,13 +80,15 @@ def _files(folder: Path) -> list[Path]:
 
 
 def layers(actor: dict[str, np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Weight (out, in) and bias (out,) of each layer, in order."""
+    """Return weight (out, in) and bias (out,) of each layer, in order."""
     numbers = sorted(int(k.split(".")[1]) for k in actor if k.startswith("mlp.") and k.endswith(".weight"))
     return [(actor[f"mlp.{i}.weight"], actor[f"mlp.{i}.bias"]) for i in numbers]
 
 
 def to_onnx(actor: dict[str, np.ndarray]) -> bytes:
-    """The deterministic policy of an rsl_rl actor as one ONNX file: normalisation, then layers with ELU."""
+    """Return the deterministic policy of an rsl_rl actor as one ONNX file: normalisation, then layers
+    with ELU.
+    """
     from onnx import TensorProto, checker, helper, numpy_helper
 
     mean, std = actor["obs_normalizer._mean"], actor["obs_normalizer._std"]
@@ -115,7 +117,9 @@ def to_onnx(actor: dict[str, np.ndarray]) -> bytes:
 
 
 def compare_with_torch(policy: bytes, actor: dict[str, np.ndarray]) -> float:
-    """Largest difference between ONNX Runtime and torch, relative to an observation's largest action."""
+    """Return the largest difference between ONNX Runtime and torch, relative to the largest action of an
+    observation.
+    """
     import onnxruntime
     import torch
 

@@ -1,4 +1,4 @@
-"""The floor under a quadruped: the task's, with what was found out about the ground of one leg."""
+"""The floor under a quadruped: that of the task, with what was identified of the ground of one leg."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _TURN = 1.0  # rad a step that a foot may swing on its contact; beyond, a step i
 
 
 def lay_floor(spec: mujoco.MjSpec, model: Model, feet: Sequence[str], surface: str) -> tuple[str, ...]:
-    """Give contacts of feet and floor the friction and the law that were found with the leg, if any were.
+    """Give contacts of feet and floor the identified friction and contact law of the leg, if there are
+    any.
 
     All else is the task's: what a model states of its ground is what that one leg stood on.
 

@@ -1,4 +1,4 @@
-"""The folder of a run: what it began with, and that no run is lost or mixed with another unasked."""
+"""The folder of a run: its settings at the start; no run is lost or mixed with another by mistake."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ CONFIG, CHECKPOINT, MJCF, MODEL = "config.json", "checkpoint.pt", "machine.xml",
 def open_folder(
     folder: Path, config: dict[str, Any], task: Task, machine: Machine, *, resume: bool, force: bool
 ) -> None:
-    """Write what the run is; a run is gone on with only with the same, and is lost only by force.
+    """Write the settings of the run; a run is continued only with the same settings, and replaced only with
+    force.
 
     A run that is there is gone once all that begins the new one is on the disk: a disk that fails before
     leaves the old one as it was. Where the process is killed meanwhile, it lies in hidden files (``.part``).
@@ -99,7 +100,7 @@ def _remove(path: Path) -> None:
 
 
 def copy_model(model: Model, folder: Path) -> None:
-    """Write the leg's model as a file, with the files that it names, and those that they name.
+    """Write the model of the leg as a file, with all files that it refers to.
 
     Raises:
         InputError: they cannot be written.

@@ -1,4 +1,4 @@
-"""A task's worlds as a Gymnasium vector environment, for those with a learner of their own.
+"""The worlds of a task as a Gymnasium vector environment, for your own learning algorithm.
 
     env = gymnasium.make_vec("workbench/reach-v0", num_envs=256)          # a shipped task, the reference leg
     env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)   # one's own
@@ -36,7 +36,8 @@ else:
 
 
 class WorkbenchVectorEnv(VectorEnv):
-    """Worlds of a task; episodes that end begin anew in the same step, their last observation in ``info``.
+    """Worlds of a task; an episode that ends restarts in the same step, with its last observation in
+    ``info``.
 
     Args:
         task: what is to be done.
@@ -72,7 +73,7 @@ class WorkbenchVectorEnv(VectorEnv):
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """All worlds anew; the first observation (W, k), and what the critic may see beside it."""
+        """Restart all worlds; return the first observation (W, k), and the additional ones of the critic."""
         del options
         self._seed = self._seed + 1 if seed is None else seed
         self._worlds = self._begun(self._seed)
@@ -82,7 +83,9 @@ class WorkbenchVectorEnv(VectorEnv):
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One policy step of 18 ms: observation (W, k), reward, terminated, truncated (W,), info."""
+        """Run one policy step of 18 ms; return observation (W, k), reward, terminated, truncated (W,),
+        info.
+        """
         made = self._worlds.step(np.asarray(actions, float))
         info: dict[str, Any] = {"privileged": made.privileged, "terms": made.terms}
         ended = np.asarray(made.ended)
@@ -95,7 +98,7 @@ class WorkbenchVectorEnv(VectorEnv):
         return np.asarray(made.observation, np.float32), np.asarray(made.reward), ended & ~late, late, info
 
     def close(self, **kwargs: Any) -> None:
-        """Nothing is held open."""
+        """Do nothing: no resource is held."""
         self.closed = True
 
     def _begun(self, seed: int) -> Environment:
@@ -108,7 +111,7 @@ def vector_environment(
     task: str = "reach", model: str = "leg", num_envs: int = 1, variant: str | None = None, seed: int = 0,
     **options: Any,
 ) -> WorkbenchVectorEnv:  # fmt: skip
-    """The worlds of a shipped task, or of a task file, with a model's machine.
+    """Return the worlds of a shipped task, or of a task file, with the machine of a model.
 
     Args:
         task: a name, or a file (.toml, .py).
@@ -134,7 +137,7 @@ def vector_environment(
 
 
 def register() -> None:
-    """Make Gymnasium know the shipped tasks, as ``workbench/TASK-v0``; its entry point calls this."""
+    """Register the shipped tasks in Gymnasium as ``workbench/TASK-v0``; its entry point calls this."""
     import gymnasium  # pyright: ignore[reportMissingImports]
 
     for name in TASKS:

@@ -1,4 +1,4 @@
-"""What the shipped tasks are judged by, over a run without its first second."""
+"""Scores of the shipped tasks, over a run without its first second."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .task import Logged
 
 
 def reach_scores(log: Logged) -> dict[str, float]:
-    """How far the joints are from what they follow, each and all [rad rms]."""
+    """Return the RMS error of the joints against their reference, each and all [rad]."""
     miss = log.get("joints") - log.get("goal")
     miss = miss[_skip(miss) // 4 :]
     each = {f"{name}_rmse_rad": _rms(miss[:, k]) for k, name in enumerate(log.names)}
@@ -17,7 +17,9 @@ def reach_scores(log: Logged) -> dict[str, float]:
 
 
 def pitch_scores(log: Logged) -> dict[str, float]:
-    """How the base pitches, whether feet stay down, and what the rear right one carries."""
+    """Return pitch rate and amplitude of the base, the share of planted feet, and the force on the rear
+    right foot.
+    """
     angular, force, gravity = (log.get(n) for n in ("base_angular", "ground_force", "base_gravity"))
     angular, force, gravity = (x[_skip(x) :] for x in (angular, force, gravity))
     if not len(angular):
@@ -33,7 +35,7 @@ def pitch_scores(log: Logged) -> dict[str, float]:
 
 
 def circular_scores(log: Logged, wanted: tuple[float, float, float]) -> dict[str, float]:
-    """Speed forward and turning, and how far they are from what is `wanted` [m/s, m/s, rad/s]."""
+    """Return forward speed and yaw rate, and their RMS errors against `wanted` [m/s, m/s, rad/s]."""
     angular, linear = log.get("base_angular"), log.get("base_linear")
     angular, linear = angular[_skip(angular) :], linear[_skip(linear) :]
     if not len(angular):

@@ -1,4 +1,4 @@
-"""A jump by script: crouch, stretch all legs at once, land. No policy and no training takes part.
+"""A scripted jump: bend, stretch all legs together, land. No policy and no training is used.
 
 What the legs weigh and what turns with their drives decides how fast the trunk leaves the ground.
 """
@@ -26,7 +26,7 @@ _LOADED = 1.0  # N on all feet together
 
 @dataclass(frozen=True)
 class Jump:
-    """Height of the trunk's origin at the top [m], and the largest speed upward that it reaches [m/s].
+    """Largest height of the origin of the trunk [m], and its largest upward speed [m/s].
 
     `peak_force` is the largest sum of the feet's forces while it pushes off [N].
     """
@@ -37,7 +37,7 @@ class Jump:
 
 
 class Script:
-    """Joint angles over time, in lines from one to the next.
+    """Joint angles over time, linear between points.
 
     Args:
         times: (K,) [s].
@@ -48,13 +48,13 @@ class Script:
         self._times, self._joints = times, joints
 
     def target(self, since: int, now: Situation) -> Array:
-        """Where the joints shall be now (1, n)."""
+        """Return the commanded joint angles (1, n)."""
         at = float(now.elapsed[0])
         return np.array([[np.interp(at, self._times, column) for column in self._joints.T]])
 
 
 def jump_script(machine: Machine, height: float = 1.0) -> Script:
-    """The jump of a quadruped; `height` is the share of the stretch that it makes."""
+    """Return the jump of a quadruped; `height` is the share of the full stretch."""
     legs = len(LEGS)
     folded = np.tile([0.0, *_FOLDED], legs)
     stretched = folded + height * (np.tile([0.0, *_STRETCHED], legs) - folded)
@@ -67,7 +67,7 @@ def jump(
     machine: Machine, plant: Plant, *, height: float = 1.0, seed: int = 0, sensors: Sensors | None = None,
     robot: Robot = IDEAL,
 ) -> tuple[Jump, Log]:  # fmt: skip
-    """Jump once; numbers are NaN where no foot left the ground."""
+    """Return the result of one jump; NaN if a foot never left the ground."""
     log = run(
         jump_script(machine, height), machine, plant, SECONDS, seed, command=np.zeros((1, 1)),
         sensors=sensors, robot=robot,

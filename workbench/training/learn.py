@@ -1,4 +1,4 @@
-"""The learning loop: collect, update, write down; stops and goes on without a difference."""
+"""The learning loop: collect, update, write; it can be stopped and continued without a difference."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _JUDGED, _SHORTEST = 5, 4.0  # iterations; policy steps of an episode that no po
 
 @dataclass(frozen=True)
 class Progress:
-    """After one iteration.
+    """Progress after one iteration.
 
     Attributes:
         iteration, iterations: done, and in all.
@@ -54,7 +54,7 @@ class Progress:
 
 
 def make_worlds(machine: Machine, settings: Settings, seed: int) -> Worlds:
-    """The engine for a device: MuJoCo's batch on the CPU, MuJoCo Warp on a GPU."""
+    """Return the worlds for a device: MuJoCo's batch on the CPU, MuJoCo Warp on a GPU."""
     fields = world_fields(machine, settings.randomisation, settings.worlds, seed)
     if settings.device.startswith("cuda"):
         from .warp_worlds import WarpWorlds
@@ -75,7 +75,7 @@ def learn(
     logger: str = LOGGERS[0],
     tell: Callable[[Progress], None] = lambda progress: None,
 ) -> torch.nn.Module | None:
-    """Train a policy, or go on with one.
+    """Train a policy, or continue a run.
 
     The folder gets the resolved configuration, the machine's MJCF, a learning curve (CSV, and what the logger
     writes) and a checkpoint that is replaced every `save_every` iterations.

@@ -1,4 +1,4 @@
-"""A machine's legs as the prediction of the swing leg takes them."""
+"""The legs of a machine, for the prediction of the swing leg."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .machine import LEGS, Machine
 
 
 def machine_limbs(machine: Machine) -> Limbs:
-    """Of a quadruped; drives that move apart from their links start amid their play."""
+    """Return the legs of a quadruped; drives with play start in the middle of it."""
     rotors = machine.rotors
     apart = (rotors.places, rotors.dofs, rotors.follow, rotors.drives) if len(rotors.places) else None
     feet = [f"{leg}_sphere" for leg in LEGS]

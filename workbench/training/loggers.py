@@ -1,4 +1,4 @@
-"""Where a learning curve is shown while a policy learns: TensorBoard, Weights & Biases, or nowhere."""
+"""Displays of the learning curve during training: TensorBoard, Weights & Biases, or none."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ _RUN_ID = "wandb.txt"  # in the run's folder: the run that a resumed one goes on
 
 
 class Logger(Protocol):
-    """Takes the numbers of each iteration by their names: ``reward``, ``term/NAME``, ``loss/NAME``."""
+    """Receives the numbers of each iteration by name: ``reward``, ``term/NAME``, ``loss/NAME``."""
 
     def add(self, iteration: int, values: Mapping[str, float]) -> None:
-        """The numbers of an iteration."""
+        """Add the numbers of an iteration."""
 
     def flush(self) -> None:
-        """All so far can be seen."""
+        """Make all numbers visible."""
 
     def close(self) -> None:
-        """Nothing more comes."""
+        """Close the logger."""
 
 
 def make_logger(name: str, folder: Path, done: int, config: Mapping[str, Any]) -> Logger:
-    """The logger of this name.
+    """Return the logger of this name.
 
     Args:
         name: one of `LOGGERS`.
@@ -49,7 +49,7 @@ def make_logger(name: str, folder: Path, done: int, config: Mapping[str, Any]) -
 
 
 def check_logger(name: str) -> None:
-    """Refuse a logger that cannot be used, before anything is trained.
+    """Refuse a logger that cannot be used, before the training starts.
 
     Raises:
         InputError: there is none of this name, or its package is missing.

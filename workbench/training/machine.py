@@ -1,4 +1,4 @@
-"""The machine that a policy moves: one leg on a fixed base, or four of them under a trunk that floats.
+"""The machine of a policy: one leg on a fixed base, or four legs under a floating trunk.
 
 Both are made from the model of one leg, normalised (see `workbench.s3n`), so that whatever a comparison found
 missing in the leg is in every leg that trains. The motors' delay is left out of MuJoCo: the loop of
@@ -35,7 +35,7 @@ _SOLVER = 10, 20  # iterations of the solver and of its line search
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine ready to be simulated many times over.
+    """A machine ready for many parallel simulations.
 
     Arrays over the n joints have one block per leg, in the order of `LEGS`; q_p = transmission q_s.
 
@@ -78,11 +78,11 @@ class Machine:
     map: DriveMap | None = None
 
     def drive_position(self, joints: np.ndarray) -> np.ndarray:
-        """Drive positions (..., n) at joint positions (..., n)."""
+        """Return drive positions (..., n) at joint positions (..., n)."""
         return joints @ self.transmission.T if self.map is None else self.map.drives(joints)
 
     def joint_motion(self, drives: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Joint positions and speeds (n,) of those of the drives (n,)."""
+        """Return joint positions and speeds (n,) for those of the drives (n,)."""
         if self.map is not None:
             joints = self.map.joints(drives)
             return joints, self.map.joint_speed(joints, speeds)
@@ -91,22 +91,24 @@ class Machine:
 
     @property
     def size(self) -> int:
-        """Number of joints n."""
+        """Return the number of joints n."""
         return len(self.joints)
 
     @property
     def lowest(self) -> float:
-        """Height of the base's origin under which it has fallen [m]: 0.18 m of the reference quadruped."""
+        """Return the height of the base origin below which the robot has fallen [m]: 0.18 m for the
+        reference quadruped.
+        """
         return _LOWEST * self.height
 
     @property
     def floating(self) -> bool:
-        """Whether it has a trunk, feet and a ground."""
+        """Return whether it has a trunk, feet and a ground."""
         return self.kind == "quadruped"
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the MJCF text, hexadecimal."""
+        """Return the SHA-256 of the MJCF text, hexadecimal."""
         return hashlib.sha256(self.xml.encode()).hexdigest()
 
 
@@ -114,7 +116,7 @@ def make_machine(
     kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None,
     law: ContactLaw | None = None,
 ) -> Machine:  # fmt: skip
-    """The machine of this kind from the model of a leg.
+    """Return the machine of this kind, made from the model of a leg.
 
     Args:
         kind: ``leg`` or ``quadruped``.

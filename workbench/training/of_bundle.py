@@ -1,4 +1,4 @@
-"""What a bundle was trained for and with: task, machine, hardware, and the model of its recordings."""
+"""Task, machine and hardware of a bundle, and the model of its recordings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .tasks import TASKS
 
 
 def task_of(bundle: PolicyBundle, file: Path | None = None) -> Task:
-    """What a bundle was trained for: a task of one's own as the bundle has it, or a shipped one.
+    """Return the task of a bundle: the one that it contains, or a shipped one.
 
     Args:
         bundle: where it comes from.
@@ -47,7 +47,7 @@ def task_of(bundle: PolicyBundle, file: Path | None = None) -> Task:
 
 
 def machine_of(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> Machine:
-    """The machine that a bundle was trained with.
+    """Return the machine with which a bundle was trained.
 
     Args:
         bundle: where it comes from.
@@ -107,7 +107,7 @@ def _made(kind: str, model: Model, bundle: PolicyBundle) -> Machine:
 
 
 def robot_files(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> dict[Path, str]:
-    """A model that recordings of a walking policy are held against, as text by file; empty for a leg.
+    """Return a model for comparison with recordings of a walking policy, as text by file; empty for a leg.
 
     Raises:
         InputError: as `machine_of`.
@@ -117,7 +117,7 @@ def robot_files(bundle: PolicyBundle, folder: Path, file: Path | None = None) ->
 
 
 def hardware_of(bundle: PolicyBundle, file: Path | None = None) -> str:
-    """One line that says what virtual hardware a bundle is evaluated on.
+    """Return one line on the virtual hardware on which a bundle is evaluated.
 
     Raises:
         InputError: as `machine_of`.

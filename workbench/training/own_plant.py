@@ -1,4 +1,4 @@
-"""A leg's own mechanism as virtual hardware for a policy: any model of one limb, loops or none."""
+"""The mechanism of any model of one limb, with or without loops, as virtual hardware for a policy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PIECES = 12  # of a control step: 0.25 ms
 
 
 class OwnPlant:
-    """The closed chain of the machine's model in Drake, its drives, its friction, and what is hidden.
+    """The closed chain of the model in Drake, its drives, its friction, and hidden effects.
 
     Args:
         machine: of kind ``leg``; its delay is the loop's, which holds every torque back.
@@ -39,11 +39,11 @@ class OwnPlant:
         self._nothing = np.zeros(rig.machine.size)
 
     def reset(self, drives: np.ndarray, height: float) -> None:
-        """At rest at drive positions (n,)."""
+        """Set the plant at rest at drive positions (n,)."""
         self._state = self._motion.start(np.array(drives, float))
 
     def advance(self, torque: np.ndarray) -> None:
-        """One control step.
+        """Simulate one control step.
 
         Raises:
             SimulationError: the mechanism leaves its workspace.
@@ -54,6 +54,6 @@ class OwnPlant:
             self._state = self._motion.advance(self._state, acting)
 
     def state(self) -> State:
-        """Now."""
+        """Return the present state."""
         none = np.zeros(0)
         return State(self._state.motor.copy(), self._state.speed.copy(), none, none, np.zeros((0, 3)))

@@ -7,7 +7,7 @@ import numpy as np
 
 
 def loaded(m: mujoco.MjModel, mass: float) -> mujoco.MjModel:
-    """A copy of a compiled machine with a point mass [kg] at the origin of its trunk."""
+    """Return a copy of a compiled machine with a point mass [kg] at the origin of its trunk."""
     made = m.__copy__()
     body = int(m.jnt_bodyid[0])
     own, at, turn = m.body_mass[body], m.body_ipos[body], np.zeros(9)

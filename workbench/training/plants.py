@@ -1,4 +1,4 @@
-"""What a policy is evaluated on: the closed chain in Drake, or the world that it was trained in."""
+"""Plants for the evaluation of a policy: the closed chain in Drake, or the world of its training."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ _FALL = 0.005  # m that the quadruped is let down from
 
 @dataclass(frozen=True)
 class State:
-    """One moment: true motion of the drives (n,), of the base in MuJoCo's order, and the feet's loads.
+    """State at one time: true motion of the drives (n,), of the base in MuJoCo's order, and the loads of the
+    feet.
 
     `pose` (7,): position, quaternion w x y z. `rate` (6,): linear velocity in the world, angular velocity in
     the body. `feet` (F, 3): force of the ground on each foot, the mean over the control step before [N], as
@@ -42,23 +43,23 @@ class State:
 
 
 class Plant(Protocol):
-    """Something that moves under drive torques held over a control step."""
+    """A plant that moves under drive torques held over a control step."""
 
     def reset(self, drives: np.ndarray, height: float) -> None:
-        """At rest at drive positions (n,) with the base level at a height [m]."""
+        """Set it at rest at drive positions (n,), with the base level at a height [m]."""
         ...
 
     def advance(self, torque: np.ndarray) -> None:
-        """One control step under drive torques (n,) [N m]."""
+        """Simulate one control step under drive torques (n,) [N m]."""
         ...
 
     def state(self) -> State:
-        """Now."""
+        """Return the present state."""
         ...
 
 
 class ClosedChainPlant:
-    """Virtual hardware: the reference mechanism with its loops, in Drake, on a ground if it walks.
+    """Virtual hardware: the reference mechanism with its loops in Drake, on a ground if it walks.
 
     Args:
         machine: tells which mechanism, and the drives' inertia and damping.
@@ -95,7 +96,7 @@ class ClosedChainPlant:
         self._force = np.zeros((len(LEGS) if machine.floating else 0, 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
-        """At rest at drive positions (n,)."""
+        """Set it at rest at drive positions (n,)."""
         height += self._robot.roughness
         base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]) if self._machine.floating else None
         self._chain.reset(drives, base=base)
@@ -103,7 +104,7 @@ class ClosedChainPlant:
         self._force = np.zeros_like(self._force)
 
     def advance(self, torque: np.ndarray) -> None:
-        """One control step."""
+        """Simulate one control step."""
         chain, force, passed = self._chain, np.zeros_like(self._force), torque
         for _ in range(_SUBSTEPS):
             if self._hides:
@@ -114,7 +115,7 @@ class ClosedChainPlant:
         self._force = force / _SUBSTEPS
 
     def state(self) -> State:
-        """Now."""
+        """Return the present state."""
         chain, nothing = self._chain, np.zeros(0)
         motion = self._drives.motion(chain.position, chain.velocity)
         if not self._machine.floating:
@@ -161,7 +162,7 @@ def _sides(machine: Machine, robot: Robot) -> list[DriveSide]:
 
 
 class TrainedPlant:
-    """The serial machine that the policy was trained in, without randomisation.
+    """The serial machine of the training, without randomisation.
 
     Args:
         machine: the machine.
@@ -182,7 +183,7 @@ class TrainedPlant:
         self._force = np.zeros((len(feet), 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
-        """At rest at drive positions (n,)."""
+        """Set it at rest at drive positions (n,)."""
         m, data = self._machine, self._data
         mujoco.mj_resetData(self._m, data)
         self._force = np.zeros_like(self._force)
@@ -192,7 +193,7 @@ class TrainedPlant:
             data.qpos[2] = height
 
     def advance(self, torque: np.ndarray) -> None:
-        """One control step."""
+        """Simulate one control step."""
         self._data.ctrl[:] = torque
         force = np.zeros_like(self._force)
         for _ in range(self._substeps):
@@ -201,7 +202,7 @@ class TrainedPlant:
         self._force = force / self._substeps
 
     def state(self) -> State:
-        """Now."""
+        """Return the present state."""
         m, data = self._machine, self._data
         rotors = m.rotors
         position = np.concatenate([data.qpos[m.places], data.qpos[rotors.places]])
@@ -228,10 +229,10 @@ class TrainedPlant:
 
 
 def begin(plant: Plant, machine: Machine) -> None:
-    """Put a plant at rest in the machine's posture, a little over the ground."""
+    """Set a plant at rest in the posture of the machine, a little above the ground."""
     plant.reset(machine.drive_position(machine.posture), machine.height + _FALL)
 
 
 def body_frame(state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Direction of gravity, linear and angular velocity in the base's frame, (1, 3) each."""
+    """Return direction of gravity, linear and angular velocity in the frame of the base, (1, 3) each."""
     return base_state(np, state.pose[None], state.rate[None])

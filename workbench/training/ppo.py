@@ -1,4 +1,4 @@
-"""PPO of rsl_rl over an environment of ours: tensors in single precision on one device."""
+"""PPO of rsl_rl on our environment: tensors in single precision on one device."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _GROUPS = {"actor": ["policy"], "critic": ["policy", "privileged"]}
 
 
 class Side:
-    """The environment as rsl_rl sees it.
+    """The environment with the interface of rsl_rl.
 
     Args:
         environment: ours.
@@ -29,11 +29,13 @@ class Side:
         self.environment, self.device = environment, device
 
     def observe(self) -> TensorDict:
-        """The groups ``policy`` and ``privileged``, (W, k) each."""
+        """Return the groups ``policy`` and ``privileged``, (W, k) each."""
         return self._pack(*self.environment.observe())
 
     def step(self, action: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, torch.Tensor, Step]:
-        """Observation, reward (W,), ended (W,), timed out (W,), and all of it as the environment gave it."""
+        """Return observation, reward (W,), ended (W,), timed out (W,), and the original result of the
+        environment.
+        """
         numeric = self.environment.xp is np
         step = self.environment.step(action.cpu().numpy().astype(float) if numeric else action)
         packed = self._pack(step.observation, step.privileged)
@@ -52,7 +54,7 @@ class Side:
 def make_ppo(
     side: Side, settings: Learning, hidden: tuple[int, ...], distributed: dict[str, int] | None = None
 ) -> PPO:
-    """Actor and critic, both with running normalisation, and the algorithm around them."""
+    """Return the PPO algorithm with actor and critic, both with running normalisation."""
     seen, n = side.observe(), side.environment.machine.size
     common = {"hidden_dims": list(hidden), "activation": "elu", "obs_normalization": True}
     noise = {"class_name": "GaussianDistribution", "init_std": settings.std, "std_type": "log"}

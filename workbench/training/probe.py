@@ -1,4 +1,4 @@
-"""How many numbers each observation has: found by looking at one world."""
+"""The number of values in each observation, found from one world."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .worlds import BatchWorlds
 
 
 def sizes(task: Task, machine: Machine, privileged: bool = False) -> list[int]:
-    """Numbers in each of the task's observations."""
+    """Return the number of values in each observation of the task."""
     now = Environment(task, machine, BatchWorlds(machine, 1, threads=1), 1).situation()
     table = task.privileged if privileged else task.observations
     return [int(entry.function(now).shape[-1]) for entry in table]

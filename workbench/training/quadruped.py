@@ -1,4 +1,4 @@
-"""The reference quadruped: trunk and hips, each hip with a bracket that swings out and one leg."""
+"""The reference quadruped: a trunk, and at each hip a bracket that swings outward and one leg."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the 
 
 
 def quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
-    """Trunk and hips of the reference quadruped, each hip with a bracket that swings out and one leg."""
+    """Return the spec of the reference quadruped: trunk, brackets and four legs."""
     if model.size != 2 or model.payload_site is None:
         raise InputError(
             "a quadruped needs a leg with two drives and a foot", file=model.source, column="payload.site",
@@ -60,7 +60,7 @@ def quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
 
 
 def base_height(m: mujoco.MjModel, joints: tuple[str, ...], posture: np.ndarray, legs: int) -> float:
-    """Of the base's origin where the feet just touch the ground [m]."""
+    """Return the height of the base origin at which the feet just touch the ground [m]."""
     data = mujoco.MjData(m)
     for name, value in zip(joints, np.tile([0.0, *posture], legs), strict=True):
         data.qpos[m.joint(name).qposadr[0]] = value

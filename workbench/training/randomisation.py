@@ -1,4 +1,4 @@
-"""What differs from world to world: links, ground, base, and what identification left open."""
+"""Differences between worlds: links, ground, base, and uncertain identified parameters."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FIELDS = (
 
 @dataclass(frozen=True)
 class LinkRange:
-    """Of every link of every leg (paper, Table IV): each link is drawn by itself.
+    """Ranges for every link of every leg (paper, Table IV); each link is drawn separately.
 
     Attributes:
         centre: largest offset of the centre of mass, each way and axis [m].
@@ -48,7 +48,7 @@ LEG_RANDOMISATION: dict[str, LinkRange | None] = {
 
 @dataclass(frozen=True)
 class Randomisation:
-    """What is drawn for each world, once a run, and pushed about within it.
+    """Ranges of what is drawn for each world, once per run, and of the pushes.
 
     Attributes:
         legs: name in `LEG_RANDOMISATION`.
@@ -70,7 +70,7 @@ class Randomisation:
 
 
 def world_fields(machine: Machine, settings: Randomisation, worlds: int, seed: int) -> Fields:
-    """Per-world values (worlds, ...) of MuJoCo's model fields, without the constants that follow from them.
+    """Return per-world values (worlds, ...) of MuJoCo's model fields, without constants derived from them.
 
     Args:
         machine: the machine.

@@ -1,4 +1,4 @@
-"""The verification record of a model: what it was checked by and compared with, before policies train in it.
+"""The verification record of a model: its checks and comparison, which training requires.
 
 It stands beside the model's file (``leg.toml``, ``leg.record.json``) and goes stale when a file of the model
 changes.
@@ -54,7 +54,7 @@ class _Record(_Table):
 
 
 def record_path(model: Model) -> Path:
-    """Where the record of a model stands.
+    """Return the path of the record of a model.
 
     Raises:
         InputError: the model was not read from a file.
@@ -67,7 +67,8 @@ def record_path(model: Model) -> Path:
 def make_record(
     model: Model, recordings: Sequence[Recording], *, samples: int = 50, seed: int = 0
 ) -> dict[str, Any]:
-    """Check a model against its closed chain, compare it with recordings, and say how both came out.
+    """Return the record: the checks of a model against its closed chain, and its comparison with
+    recordings.
 
     Args:
         model: the model.
@@ -99,12 +100,12 @@ def make_record(
 
 
 def write_record(record: dict[str, Any], path: Path, *, force: bool = False) -> Path:
-    """Write a record, whole or not at all."""
+    """Write a record, complete or not at all."""
     return write_whole(path, json.dumps(record, indent=1) + "\n", force=force)
 
 
 def read_record(path: Path) -> dict[str, Any] | None:
-    """Read a record; None where there is none.
+    """Return a record; None if there is none.
 
     Raises:
         InputError: the file is not a record.
@@ -126,7 +127,7 @@ def read_record(path: Path) -> dict[str, Any] | None:
 
 
 def model_of(record: dict[str, Any], path: Path) -> str:
-    """The model that a record is of: the file beside it, else the shipped model, of which it has the names.
+    """Return the model of a record: the file beside it, otherwise the shipped model of that name.
 
     Args:
         record: as it was read.
@@ -155,7 +156,7 @@ def model_of(record: dict[str, Any], path: Path) -> str:
 
 
 def objections(record: dict[str, Any] | None, model: Model, variant: str) -> list[str]:
-    """Why a model may not train policies by its record; none if it may."""
+    """Return the reasons of its record why a model may not train policies; empty if it may."""
     if record is None:
         return ["the model has no verification record"]
     found = []
@@ -179,7 +180,7 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
 
 
 def summary(record: dict[str, Any]) -> str:
-    """The record in a sentence."""
+    """Return the record as one sentence."""
     done = sum(c["passed"] for c in record["checks"])
     names = ", ".join(r["name"] for r in record["recordings"])
     return (

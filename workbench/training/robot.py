@@ -1,4 +1,4 @@
-"""What sets a virtual quadruped apart from its drawing, each part to be switched on by itself."""
+"""Differences of a virtual quadruped from its model, each of which can be switched on alone."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Robot:
     sag: float = 0.0
 
     def delivered(self, torque: np.ndarray, speed: np.ndarray, limit: np.ndarray) -> np.ndarray:
-        """What drives give of the torque that is asked of them (n,) [N m], at speeds (n,) [rad/s].
+        """Return the torque (n,) [N m] that drives give for a command, at speeds (n,) [rad/s].
 
         Torque along the motion falls in a line from twice the largest at rest to zero at the no-load speed;
         the battery's voltage moves both. `limit` (n,) is the largest torque [N m].
@@ -66,7 +66,8 @@ class Robot:
     def felt(
         self, gravity: np.ndarray, angular: np.ndarray, before: Sequence[tuple[np.ndarray, np.ndarray]]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """What the inertial unit shows of gravity's direction and angular velocity, (1, 3) each, but noise.
+        """Return the reading of the inertial unit without noise: gravity direction and angular velocity, (1,
+        3) each.
 
         `before`: true values of earlier control steps, the last one first.
         """

@@ -1,4 +1,6 @@
-"""One run of a machine on a plant: a pilot gives joint angles, the loop asks for torques, all is logged."""
+"""One run of a machine on a plant: a pilot gives joint angles, the loop commands torques, and everything is
+logged.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +26,15 @@ _GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertia
 
 
 class Pilot(Protocol):
-    """Whoever says where the joints shall go."""
+    """Interface of whatever commands the joints."""
 
     def target(self, since: int, now: Situation) -> Array:
-        """Joint angles from here on (1, n) [rad], so many control steps after the hold."""
+        """Return joint angles from now on (1, n) [rad], so many control steps after the hold."""
         ...
 
 
 class PolicyPilot:
-    """A policy that does its task.
+    """A policy that performs its task.
 
     Args:
         policy: the network.
@@ -45,7 +47,7 @@ class PolicyPilot:
         self._action, self._target = np.zeros((1, machine.size)), machine.posture[None].copy()
 
     def target(self, since: int, now: Situation) -> Array:
-        """What the action of the last policy step asks for."""
+        """Return the joint angles of the last action."""
         if since % POLICY_STEPS == 0:
             now.action = now.last_action = self._action
             seen = np.concatenate([e.scale * e.function(now) for e in self._task.observations], -1)
@@ -55,7 +57,7 @@ class PolicyPilot:
 
 
 class Log:
-    """Rows of a run, a control step each."""
+    """Rows of a run, one per control step."""
 
     def __init__(self) -> None:
         self.rows: dict[str, list[np.ndarray]] = {}
@@ -64,16 +66,18 @@ class Log:
         self.names: tuple[str, ...] = ()
 
     def add(self, **values: np.ndarray) -> None:
-        """A row."""
+        """Add a row."""
         for name, value in values.items():
             self.rows.setdefault(name, []).append(np.array(value, float).ravel())
 
     def get(self, name: str) -> np.ndarray:
-        """A signal since the hold (N, k)."""
+        """Return a signal since the hold (N, k)."""
         return np.array(self.rows[name])[self.policy_from :]
 
     def recording(self, name: str, machine: Machine, stepped: bool) -> Recording:
-        """The run as a recording in actuator coordinates; `stepped`: by the steps of the machine's file."""
+        """Return the run as a recording in actuator coordinates; `stepped`: simulated with the steps of the
+        machine's file.
+        """
         rows = {key: np.array(values) for key, values in self.rows.items()}
         if "ground_force" in rows:  # a recording has it of the row that begins, a plant of the one that ended
             rows["ground_force"] = np.vstack([rows["ground_force"][1:], rows["ground_force"][-1:]])
@@ -99,7 +103,7 @@ def run(
     command: np.ndarray, goal: Callable[..., tuple[Array, Array]] | None = None,
     sensors: Sensors | None = None, robot: Robot = IDEAL, tell: Callable[[float], None] = lambda done: None,
 ) -> Log:  # fmt: skip
-    """Hold the posture for `HOLD_S`, then follow the pilot.
+    """Hold the posture for `HOLD_S`, then follow the pilot; return the log.
 
     Args:
         pilot: says where to go.

@@ -1,4 +1,4 @@
-"""Drives that move apart from their links: joints of their own in the machine, which encoders read."""
+"""Drives that move relative to their links: additional joints in the machine, which the encoders read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Rotors:
-    """The k joints on the motors' sides of springs and gaps; k is 0 where all drives are rigid.
+    """The k joints on the motor side of springs and gaps; k is 0 if all drives are rigid.
 
     Attributes:
         places, dofs: where they are in qpos and qvel, (k,) each.
@@ -26,13 +26,13 @@ class Rotors:
 
 
 def no_rotors(joints: int) -> Rotors:
-    """Of a machine whose drives are rigid."""
+    """Return the rotors of a machine with rigid drives: none."""
     none = np.zeros(0, int)
     return Rotors(none, none, np.zeros((0, joints)), np.eye(joints))
 
 
 def rotors_of(m: mujoco.MjModel, joints: Sequence[str]) -> Rotors:
-    """The rotors of a compiled machine whose n motors are in the order of its drives.
+    """Return the rotors of a compiled machine whose n motors are in the order of its drives.
 
     Args:
         m: the machine.

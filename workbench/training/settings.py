@@ -1,4 +1,4 @@
-"""What a training run is asked to do, and what it writes down before it begins."""
+"""Settings of a training run, and what is written before it starts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PACKAGES = "mujoco", "mujoco-warp", "numpy", "rsl-rl-lib", "torch", "warp-lang"
 
 @dataclass(frozen=True)
 class Learning:
-    """Settings of PPO (rsl_rl); the defaults are what legged robots are commonly trained with.
+    """Settings of PPO (rsl_rl); the defaults are common for legged robots.
 
     Attributes:
         rollout: policy steps of each world an iteration.
@@ -47,7 +47,7 @@ class Learning:
 
 @dataclass(frozen=True)
 class Settings:
-    """A run: which task, in how many worlds, how long, from which seed, where.
+    """A run: task, number of worlds, length, seed, folder.
 
     Attributes:
         worlds: simulated side by side, a process.
@@ -67,7 +67,7 @@ class Settings:
 
 
 def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[str, Any]) -> dict[str, Any]:
-    """Everything that a run depends on, as JSON holds it: settings, tables, machine, versions, hashes."""
+    """Return everything on which a run depends, as JSON: settings, tables, machine, versions, hashes."""
     return {
         "format": 1,
         "task": task.name,
@@ -93,7 +93,7 @@ def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[st
 
 
 def layout(task: Task, machine: Machine) -> list[dict[str, Any]]:
-    """The policy's input, entry by entry, with its place and scale."""
+    """Return the input of the policy, entry by entry, with place and scale."""
     from .probe import sizes
 
     entries, start = [], 0
@@ -109,7 +109,7 @@ def layout(task: Task, machine: Machine) -> list[dict[str, Any]]:
 
 
 def control_table(task: Task, machine: Machine) -> dict[str, Any]:
-    """Joints, gains, rates, limits and transmission: what a policy's actions mean."""
+    """Return joints, gains, rates, limits and transmission: the meaning of the actions of a policy."""
     return {
         "joints": list(machine.joints),
         "transmission": machine.transmission.tolist(),
@@ -130,5 +130,5 @@ def control_table(task: Task, machine: Machine) -> dict[str, Any]:
 
 
 def library_versions() -> dict[str, str]:
-    """Of Python, the platform, and all packages that a result depends on and that are installed."""
+    """Return the versions of Python, the platform, and all installed packages on which a result depends."""
     return {"platform": sys.platform, **versions(_PACKAGES)}

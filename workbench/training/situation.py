@@ -1,4 +1,4 @@
-"""What the terms of a task look at: the state of all worlds at one policy step, on any array library.
+"""Inputs of the terms of a task: the state of all worlds at one policy step, in numpy or torch.
 
 `xp` is `numpy` or `torch`: everything here and in `terms`, `control` and `tasks` uses only what the two spell
 alike, so that one set of lines serves the CPU and the GPU.
@@ -18,7 +18,7 @@ POLICY_S = round(POLICY_STEPS * STEP_S, 9)  # [s]
 
 
 class Constants:
-    """A machine's arrays on the device and in the precision of the worlds.
+    """Arrays of a machine on the device and in the precision of the worlds.
 
     Args:
         machine: the machine.
@@ -61,7 +61,7 @@ class Constants:
             self.speed = put(np.array(speed)[:, None] + np.arange(3))
 
     def measured(self, qpos: Array, qvel: Array) -> tuple[Array, Array]:
-        """Angles and speeds (W, n) of the joints, through what the drives' encoders read."""
+        """Return joint angles and speeds (W, n) from the encoder readings of the drives."""
         position, velocity = qpos[:, self.places], qvel[:, self.dofs]
         if self.read is None:
             return position, velocity
@@ -74,7 +74,7 @@ class Constants:
 
 @dataclass
 class Situation:
-    """All worlds at one policy step; W worlds, n joints, F feet. The base's arrays are None for a leg.
+    """State at one policy step; W worlds, n joints, F feet. The arrays of the base are None for a leg.
 
     Attributes:
         xp: the array library.
@@ -115,12 +115,12 @@ class Situation:
 
     @property
     def pitch(self) -> Array:
-        """Of the base (W,) [rad]: nose down is positive."""
+        """Return the pitch of the base (W,) [rad]; nose down is positive."""
         return self.xp.arcsin(self.xp.clip(self.gravity[:, 0], -1.0, 1.0))
 
 
 def base_state(xp: Any, qpos: Array, qvel: Array) -> tuple[Array, Array, Array]:
-    """Direction of gravity, linear and angular velocity in the base's frame, (W, 3) each.
+    """Return direction of gravity, linear and angular velocity in the frame of the base, (W, 3) each.
 
     Args:
         xp: the array library.

@@ -1,4 +1,4 @@
-"""What a policy is to do: what it sees, what it is asked for, what counts, and what it is judged by."""
+"""A task of a policy: observations, commands, rewards and scores."""
 
 from __future__ import annotations
 
@@ -15,21 +15,23 @@ from .terms import Observation, Reward
 
 
 class Logged(Protocol):
-    """The log of an evaluation, a row every control step since the policy began."""
+    """The log of an evaluation, one row per control step since the policy started."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Joints."""
+        """Names of the joints."""
         ...
 
     def get(self, name: str) -> np.ndarray:
-        """A signal (N, k): joints, goal; of a base base_angular, base_linear, base_gravity, ground_force."""
+        """Return a signal (N, k): joints, goal; for a base also base_angular, base_linear, base_gravity,
+        ground_force.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a policy is to do.
+    """A task of a policy.
 
     Attributes:
         name: on the command line.
@@ -78,5 +80,5 @@ class Task:
 
     @property
     def episode_steps(self) -> int:
-        """Policy steps in an episode."""
+        """Return the number of policy steps in an episode."""
         return round(self.episode_s / POLICY_S)

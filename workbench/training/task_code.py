@@ -1,4 +1,4 @@
-"""A task of one's own as a Python file that makes it: ``TASK = Task(...)``.
+"""A task of your own as a Python file that contains ``TASK = Task(...)``.
 
 The file is run as any Python is: it is for those who wrote it. A bundle carries its text to be read, and
     nobody runs
@@ -18,7 +18,7 @@ from .task import Task
 
 
 def task_from_code(text: str, file: Path) -> Task:
-    """Run a task's Python file.
+    """Run the Python file of a task, and return the task.
 
     Raises:
         InputError: it fails, with its line; or makes no ``TASK``.
@@ -43,7 +43,7 @@ def task_from_code(text: str, file: Path) -> Task:
 
 
 def same_code(text: str, file: Path | None, bundle: Path | None) -> Task:
-    """The task of a bundle that carries its Python as text.
+    """Return the task of a bundle that contains its Python file as text.
 
     Raises:
         InputError: the file is not named, or is another one.

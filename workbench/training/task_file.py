@@ -1,4 +1,4 @@
-"""A task of one's own as TOML: a shipped one with other rewards, observations, commands and posture."""
+"""A task of your own as TOML: a shipped task with other rewards, observations, commands and posture."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class _TaskTable(BaseModel):
 
 
 def load_task(file: Path) -> Task:
-    """Read a task file: TOML that changes a shipped task, or Python that makes one as ``TASK``.
+    """Return the task of a file: TOML that changes a shipped task, or Python with ``TASK``.
 
     Raises:
         InputError: it cannot be read, or names what the base has not; says which key.
@@ -68,7 +68,7 @@ def load_task(file: Path) -> Task:
 
 
 def read_task(text: str, file: Path | None) -> Task:
-    """The same of its text, as a bundle has it."""
+    """Return the task of the text of such a TOML file, as in a bundle."""
     try:
         table = _TaskTable.model_validate(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
@@ -117,7 +117,7 @@ def read_task(text: str, file: Path | None) -> Task:
 
 
 def posed(task: Task, machine: Machine) -> Machine:
-    """The machine in the task's own posture.
+    """Return the machine in the posture of the task.
 
     Raises:
         InputError: a posture of other joints, outside the limits, or of a robot that has to stand in it.

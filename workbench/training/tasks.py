@@ -1,4 +1,4 @@
-"""The tasks: what is asked, what the policy sees, what counts. A registry that anyone can read."""
+"""The shipped tasks: commands, observations, rewards."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _REACH_MOST = 0.5  # rad
 
 
 def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]:
-    """Joint angles and speeds to follow, (W, n) each [rad, rad/s].
+    """Return joint angles and speeds to follow, (W, n) each [rad, rad/s].
 
-    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, n numbers
-    each.
+    One sine per joint around its centre: `command` has centre, amplitude, frequency [rad/s] and phase, n
+    numbers each.
     """
     n = command.shape[1] // 4
     middle, size, rate, phase = (command[:, k * n : (k + 1) * n] for k in range(4))
@@ -40,7 +40,7 @@ def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]
 
 
 def reach_command(draws: Draws, worlds: int, machine: Machine) -> Array:
-    """Trajectories about the machine's posture, well inside its limits, up to 1.5 Hz and 5 rad/s."""
+    """Return trajectories around the posture of the machine, inside its limits, up to 1.5 Hz and 5 rad/s."""
     below = machine.posture - machine.limits[:, 0]
     above = machine.limits[:, 1] - machine.posture
     size = np.minimum(_REACH_MOST, _REACH_SIZE * np.minimum(below, above))
@@ -67,12 +67,12 @@ def reach_fine_tracking(s: Situation) -> Array:
 
 
 def reach_error(s: Situation) -> Array:
-    """Joint angles less the reference [rad]."""
+    """Joint angles minus the reference [rad]."""
     return s.position - reach_reference(s.xp, s.command, s.elapsed)[0]
 
 
 def reach_ahead(s: Situation) -> Array:
-    """Reference 0, 1, 2 and 4 policy steps ahead, from the posture [rad]."""
+    """Reference 0, 1, 2 and 4 policy steps ahead, measured from the posture [rad]."""
     ahead = [
         reach_reference(s.xp, s.command, s.elapsed + k * POLICY_S)[0] - s.machine.posture
         for k in (0, *REACH_AHEAD)
@@ -121,14 +121,14 @@ REACH = Task(
 
 
 def pitch_reference(s: Situation) -> tuple[Array, Array]:
-    """Base pitch and pitch rate that are asked for, (W,) each [rad, rad/s]."""
+    """Return the commanded base pitch and pitch rate, (W,) each [rad, rad/s]."""
     rate = 2.0 * math.pi * PITCH_HZ
     angle = rate * s.elapsed + s.command[:, 0]
     return PITCH_RAD * s.xp.sin(angle), PITCH_RAD * rate * s.xp.cos(angle)
 
 
 def pitch_command(draws: Draws, worlds: int, machine: Machine) -> Array:
-    """The phase in which an episode begins [rad]."""
+    """Return the phase at the start of an episode [rad]."""
     return draws.uniform((0.0,), (2.0 * math.pi,), (worlds, 1))
 
 
@@ -200,7 +200,7 @@ PITCH = Task(
 
 
 def circular_command(draws: Draws, worlds: int, machine: Machine) -> Array:
-    """Forward and sideward speed and yaw rate; one world in ten is to stand, two in ten to run the circle."""
+    """Return forward and sideward speed and yaw rate; one world in ten stands, two in ten run the circle."""
     low, high = zip(*VELOCITIES, strict=True)
     drawn = draws.uniform(low, high, (worlds, 3))
     kind = draws.uniform((0.0,), (1.0,), (worlds, 1))

@@ -17,7 +17,7 @@ CONTACT_N = 1.0  # normal force that counts as standing on a foot
 
 @dataclass(frozen=True)
 class Reward:
-    """A term of the reward: `weight` a second times ``function(situation)``, (W,)."""
+    """A term of the reward: `weight` per second times ``function(situation)``, (W,)."""
 
     name: str
     weight: float
@@ -25,13 +25,13 @@ class Reward:
 
     @property
     def about(self) -> str:
-        """What it measures, in a sentence."""
+        """Return what it measures, in a sentence."""
         return (self.function.__doc__ or "").splitlines()[0]
 
 
 @dataclass(frozen=True)
 class Observation:
-    """Numbers the policy sees: ``scale * (function(situation) + noise)``, (W, k).
+    """Numbers for the policy: ``scale * (function(situation) + noise)``, (W, k).
 
     `noise` is the half-width of the sensor's uniform error, in the unit of the function.
     """
@@ -43,7 +43,7 @@ class Observation:
 
     @property
     def about(self) -> str:
-        """What it is, with its unit, in a sentence."""
+        """Return what it is, with its unit, in a sentence."""
         return (self.function.__doc__ or "").splitlines()[0]
 
 
@@ -55,7 +55,7 @@ def _sum2(s: Situation, x: Array) -> Array:
 
 
 def joint_offset(s: Situation) -> Array:
-    """Joint angles from the posture [rad]."""
+    """Joint angles, measured from the posture [rad]."""
     return s.position - s.machine.posture
 
 
@@ -128,14 +128,14 @@ def joint_speed2(s: Situation) -> Array:
 
 
 def outside_limits(s: Situation) -> Array:
-    """How far joints are outside their limits, summed [rad]."""
+    """Sum of the angles by which joints are outside their limits [rad]."""
     zero = s.xp.zeros_like(s.position)
     above, below = s.position - s.machine.high, s.machine.low - s.position
     return s.xp.sum(s.xp.maximum(above, zero) + s.xp.maximum(below, zero), -1)
 
 
 def off_posture2(s: Situation) -> Array:
-    """Sum of squared joint angles from the posture [rad^2]."""
+    """Sum of squared joint angles, measured from the posture [rad^2]."""
     return _sum2(s, s.position - s.machine.posture)
 
 
@@ -180,12 +180,12 @@ def roll_yaw_rate2(s: Situation) -> Array:
 
 
 def tilt2(s: Situation) -> Array:
-    """Squared horizontal part of gravity in the base's frame."""
+    """Squared horizontal component of gravity in the base's frame."""
     return _sum2(s, s.gravity[:, :2])
 
 
 def roll2(s: Situation) -> Array:
-    """Squared sideward part of gravity in the base's frame."""
+    """Squared sideward component of gravity in the base's frame."""
     return s.xp.square(s.gravity[:, 1])
 
 
@@ -211,7 +211,9 @@ def foot_speed2(s: Situation) -> Array:
 
 
 def long_steps(s: Situation) -> Array:
-    """Time in the air of feet that land, up to 0.25 s, less 0.1 s each [s]; none where it is to stand."""
+    """Time in the air of feet that land, at most 0.25 s, minus 0.1 s per foot [s]; zero when standing is
+    commanded.
+    """
     capped = s.xp.clip(s.landed, 0.0, AIR_TIME_S) - 0.1
     moving = (_sum2(s, s.command[:, :3]) > 0.01) * 1.0
     return moving * s.xp.sum(capped * (s.landed > 0.0), -1)

@@ -1,4 +1,4 @@
-"""Many worlds of one machine on a GPU, through MuJoCo Warp (single precision); on the CPU for tests alone."""
+"""Many worlds of one machine on a GPU, with MuJoCo Warp (single precision); on the CPU for tests only."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class WarpWorlds:
         self._graph = self._capture() if self._device.is_cuda else None
 
     def step(self) -> None:
-        """One step of all worlds, in the order of torch's own work."""
+        """Simulate one step of all worlds, in the order of torch's own work."""
         if self._graph is None:
             with wp.ScopedDevice(self._device):
                 mjw.step(self._m, self._d)
@@ -59,7 +59,7 @@ class WarpWorlds:
         wp.capture_launch(self._graph, stream=stream)
 
     def put(self, where: torch.Tensor, qpos: torch.Tensor, qvel: torch.Tensor) -> None:
-        """Begin afresh where `where` says; nothing waits for the GPU."""
+        """Restart the worlds marked by `where`, without waiting for the GPU."""
         column = where[:, None]
         self.qpos.copy_(torch.where(column, qpos, self.qpos))
         self.qvel.copy_(torch.where(column, qvel, self.qvel))
@@ -68,11 +68,11 @@ class WarpWorlds:
         self._time.masked_fill_(where, 0.0)
 
     def state(self) -> dict[str, Any]:
-        """Positions, speeds, the solver's warm start and the sensors."""
+        """Return positions, speeds, the warm start of the solver, and the sensors."""
         return {name: array.clone() for name, array in self._arrays().items()}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Set them."""
+        """Set the state."""
         for name, array in self._arrays().items():
             array.copy_(state[name])
 

@@ -1,4 +1,4 @@
-"""Many worlds of one machine on the CPU, through MuJoCo's own batch; what any engine has to offer."""
+"""Many worlds of one machine on the CPU, with MuJoCo's own batch; also the interface of all engines."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ class Worlds(Protocol):
     sensordata: Array
 
     def step(self) -> None:
-        """One step of all worlds; sensors are those of the beginning of it."""
+        """Simulate one step of all worlds; the sensors are those at its beginning."""
         ...
 
     def put(self, where: Array, qpos: Array, qvel: Array) -> None:
-        """Begin afresh in the worlds marked by `where` (W,), with these states (W, ...)."""
+        """Restart the worlds marked by `where` (W,) with these states (W, ...)."""
         ...
 
     def state(self) -> dict[str, Any]:
-        """All that the next step depends on."""
+        """Return everything on which the next step depends."""
         ...
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
+        """Continue from a `state`."""
         ...
 
 
@@ -61,11 +61,11 @@ class BatchWorlds:
         self.sensordata = self._batch.bind("sensordata")
 
     def step(self) -> None:
-        """One step of all worlds."""
+        """Simulate one step of all worlds."""
         self._batch.step()
 
     def put(self, where: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
-        """Begin afresh where `where` says."""
+        """Restart the worlds marked by `where`."""
         ids = np.flatnonzero(where)
         if not len(ids):
             return
@@ -74,18 +74,20 @@ class BatchWorlds:
         self._batch.forward(ids)
 
     def state(self) -> dict[str, Any]:
-        """The integration state of every world, and the sensors."""
+        """Return the integration state of every world, and the sensors."""
         return {"rows": self._batch.state.copy(), "sensors": np.array(self.sensordata)}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Set it; sensors are those of the state, until the next step."""
+        """Set the state; the sensors are those of the state until the next step."""
         self._batch.state[...] = state["rows"]
         self._batch.forward()
         self._batch.state[...] = state["rows"]  # forward leaves another warm start
 
 
 def batch_of(m: mujoco.MjModel, count: int, fields: Fields, threads: int = 0) -> Batch:
-    """A batch of a model, with fields that differ from world to world and the constants that follow."""
+    """Return a batch of a model, with fields that differ between worlds and the constants derived from
+    them.
+    """
     batch = Batch(m, count, threads)
     for name, values in fields.items():
         batch.expand(name)[...] = values
@@ -95,7 +97,7 @@ def batch_of(m: mujoco.MjModel, count: int, fields: Fields, threads: int = 0) ->
 
 
 def derived_fields(m: mujoco.MjModel, count: int, fields: Fields) -> Fields:
-    """The same fields, and every constant of the model that differs from world to world because of them."""
+    """Return the same fields, and every constant of the model that differs between worlds because of them."""
     if not fields:
         return {}
     batch = batch_of(m, count, fields)

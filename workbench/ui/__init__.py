@@ -1,4 +1,4 @@
-"""The live workbench: a page in the browser, served to this machine only."""
+"""The live workbench: a page in the browser, served to this computer only."""
 
 from .bench import Bench
 from .shelf import Shelf

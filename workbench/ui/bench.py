@@ -1,4 +1,4 @@
-"""The state of the workbench: a model, recordings, and the changes made so far. Knows no page."""
+"""The state of the workbench: a model, recordings, and all changes so far. Independent of the page."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _CHANGED = "CHANGED.toml"  # a model that no file holds yet
 
 @dataclass
 class Bench:
-    """What is chosen, what was changed, and what was found; everything it computes, it computes at once.
+    """Selection, changes and results; everything is computed when it is asked for.
 
     Attributes:
         shelf: what may be chosen.
@@ -57,7 +57,7 @@ class Bench:
     _grown: list[tuple[Diagnosis, Model]] = field(default_factory=list, repr=False)
 
     def read(self, model: str, recordings: Sequence[str], held_out: str | None = None) -> Chosen:
-        """Read what was chosen, without choosing it yet; slow where files are large.
+        """Return what was selected, without using it yet; slow with large files.
 
         Raises:
             InputError: not on the shelf, unreadable, or not made for each other.
@@ -76,7 +76,7 @@ class Bench:
         return Chosen(model, tuple(recordings), held_out, loaded, replay.recordings, replay)
 
     def choose(self, chosen: Chosen) -> None:
-        """Put it on the bench; changes stay where the model is the same."""
+        """Use the selection; changes are kept if the model is the same."""
         same = self.chosen is not None and self.chosen.model_label == chosen.model_label
         self.chosen = chosen
         if not same or self.history is None:
@@ -86,7 +86,7 @@ class Bench:
 
     @property
     def model(self) -> Model:
-        """The model as it is now."""
+        """Return the present model."""
         return self._history.current
 
     @property
@@ -105,7 +105,7 @@ class Bench:
         self._history.change(f"adding {applied.key}", self.model.with_effect(checked))
 
     def add_finding(self, finding: Finding) -> None:
-        """Add what the diagnosis found, and what it settled of the model for it.
+        """Add a finding, with the settings of the model that the diagnosis changed for it.
 
         Raises:
             InputError: it does not belong in this model any more.
@@ -119,23 +119,25 @@ class Bench:
             self._grown.append((told, self.model))
 
     def told(self) -> Diagnosis | None:
-        """The diagnosis as long as it tells of the model: of the one diagnosed, or that with its findings."""
+        """Return the diagnosis if it belongs to the present model, or to the diagnosed one plus its
+        findings.
+        """
         found, model = self.diagnosis, self.model
         of_it = model is self.diagnosed or any(d is found and m is model for d, m in self._grown)
         return found if of_it else None
 
     def take(self, what: str, model: Model) -> None:
-        """Go on with a model that somebody else made of the present one."""
+        """Use a model that was made from the present one elsewhere."""
         self._history.change(what, model)
 
     def remove(self, index: int) -> None:
-        """Take the effect at this place of the model's list out."""
+        """Remove the effect at this place in the list of the model."""
         effects = self.model.effects
         kept = (*effects[:index], *effects[index + 1 :])
         self._history.change(f"removing {effects[index].key}", replace(self.model, effects=kept))
 
     def set_value(self, index: int, name: str, value: float) -> None:
-        """Give a parameter of the effect at this place another value, within its physical bounds.
+        """Set a parameter of the effect at this place, within its physical bounds.
 
         Raises:
             InputError: a body cannot have it.
@@ -152,12 +154,12 @@ class Bench:
         )
 
     def has(self, key: EffectKey) -> bool:
-        """Whether an effect was added to the model as given."""
+        """Return whether an effect was added to the model as given."""
         count = sum(e.key == key for e in self.model.effects)
         return count > sum(e.key == key for e in self._history.given.effects)
 
     def simulate(self, model: Model, chosen: Chosen, indices: Sequence[int]) -> tuple[Recording, ...]:
-        """A model's runs, without noise, of some of the recordings.
+        """Return runs of a model, without noise, for some of the recordings.
 
         Raises:
             SimulationError: it is unstable there.
@@ -171,13 +173,13 @@ class Bench:
         return runs
 
     def error(self, chosen: Chosen, runs: Sequence[Recording]) -> float:
-        """The error number of runs of all recordings."""
+        """Return the error of runs of all recordings."""
         return score_runs(chosen.recordings, runs)[0]
 
     def entries(
         self, chosen: Chosen, runs: Sequence[Recording], like: Comparison | None
     ) -> tuple[RecordingError, ...]:
-        """Runs beside the recordings, with the noise of a comparison of nearly the same model."""
+        """Return runs with the recordings, and the noise from a comparison of nearly the same model."""
         _, rmse = score_runs(chosen.recordings, runs)
         unknown = np.full(len(chosen.model.axes), np.nan)
         return tuple(
@@ -195,7 +197,7 @@ class Bench:
         )
 
     def compare(self, model: Model, chosen: Chosen) -> Comparison:
-        """The whole comparison, with the noise that a perfect model would leave.
+        """Return the complete comparison, with the noise floor.
 
         Raises:
             SimulationError: the model is unstable.
@@ -203,7 +205,7 @@ class Bench:
         return evaluate(model, chosen.replay.with_noise(model, self.seed))
 
     def save_model(self, name: str, *, force: bool = False) -> Path:
-        """Write the model as it is now into the folder.
+        """Write the present model into the folder.
 
         Raises:
             InputError: not a plain file name, or the file exists and `force` is not set.
@@ -227,7 +229,7 @@ class Bench:
         return target
 
     def command(self, result: Comparison | Diagnosis) -> str:
-        """The command line that makes the same result; of a changed model, once that has been saved."""
+        """Return the command line with the same result; for a changed model, after it was saved."""
         assert self.chosen is not None
         chosen, shelf = self.chosen, self.shelf
         model, note = shelf.typed[shelf.models[chosen.model_label]], ""

@@ -1,4 +1,4 @@
-"""The effects in the model, a slider a parameter; undo and redo; adding by hand."""
+"""Effects in the model with one slider per parameter; undo and redo; adding by hand."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .widgets import button, column, row, safe, text, widget
 _STEPS = 400
 # cards stand beside each other, so that the curves stay in sight below their sliders
 _CARD = {"width": "auto", "flex": "1 1 17rem", "max-width": "26rem"}
-_TAKES_REST = {"width": "auto", "flex": "1 1 0"}
+_TAKES_REST = {"width": "auto", "flex": "1 1 12rem"}  # less, and it takes a line of its own
 
 
 class Changes:
-    """What stands in the model now, and what can be done with it.
+    """The present model, and everything that can be changed in it.
 
     Attributes:
         view: undo, redo, and the effects with their sliders.
@@ -40,7 +40,7 @@ class Changes:
         self.by_hand = widget(pn.widgets.Select, name="Another effect", options={})
         self.fit = button("Fit and add it", self._fit)
         self.none = text("<p class=quiet>Nothing was added to the model as given.</p>", styles=_TAKES_REST)
-        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 13rem"})
+        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 12rem"})
         self.view = column(
             row(title, self.undo, self.redo, self.none, align_items="center"),
             self.added,
@@ -53,7 +53,7 @@ class Changes:
         self._following = False
 
     def follow(self) -> None:
-        """Show the model as it is now."""
+        """Show the present model."""
         history = self.live.bench.history
         if history is None:
             self.view.visible = self.more.visible = False
@@ -144,7 +144,7 @@ class Changes:
 
 
 def reach(applied: AppliedEffect, name: str) -> tuple[float, float]:
-    """From where to where a slider goes: from no effect to twice what it is now, within physical bounds."""
+    """Return the range of a slider: from no effect to twice the present value, within physical bounds."""
     parameter = next(p for p in effect_named(applied.key.effect).parameters if p.name == name)
     estimate = applied.parameters[name]
     away = abs(estimate.value - parameter.neutral)

@@ -1,4 +1,4 @@
-"""Which model and recordings are looked at."""
+"""Selection of model and recordings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _OPEN = 10  # recordings; a longer list is folded away
 
 
 class Chooser:
-    """The model, the recordings, and the one among them that judges a diagnosis."""
+    """The model, the recordings, and the recording that is held out for testing."""
 
     def __init__(self, live: Live) -> None:
         self.live = live
@@ -46,7 +46,7 @@ class Chooser:
             part.param.watch(lambda event: self._chosen(), "value")
 
     def follow(self) -> None:
-        """Show what is on the bench."""
+        """Show the present selection."""
         chosen = self.live.bench.chosen
         if chosen is None:
             return

@@ -1,4 +1,4 @@
-"""What lies on the bench."""
+"""The selected model and recordings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from workbench.models import Model
 
 @dataclass(frozen=True)
 class Chosen:
-    """What lies on the bench.
+    """The selected model and recordings.
 
     Attributes:
         model_label, labels: names on the shelf.
@@ -29,7 +29,7 @@ class Chosen:
     replay: Replay
 
     def split(self) -> tuple[list[Recording], list[Recording]]:
-        """Recordings to fit, and those that judge."""
+        """Return the recordings to fit, and those held out."""
         pairs = list(zip(self.labels, self.recordings, strict=True))
         return [r for name, r in pairs if name != self.held_out], [
             r for name, r in pairs if name == self.held_out

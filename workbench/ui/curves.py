@@ -1,4 +1,4 @@
-"""Measured over simulated against time, and what is left, with one zoom for all diagrams."""
+"""Measured and simulated signals against time, and the residual, with one zoom for all diagrams."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HEIGHTS, _BELOW = (190, 125), 46  # of a curve and of its residual, and what th
 
 
 class Curves:
-    """Position, its residual, torque, its residual, of one axis of one recording.
+    """Position, its residual, torque and its residual, for one axis of one recording.
 
     Attributes:
         figures: the four diagrams, top first.
@@ -67,7 +67,7 @@ class Curves:
         after: Recording | None,
         noise: RecordingError | None,
     ) -> None:
-        """Draw what lies in the stretch of time that is looked at.
+        """Draw the selected stretch of time.
 
         Args:
             recording: measured.
@@ -146,7 +146,7 @@ class Curves:
 
 
 def thinned(values: np.ndarray, dt: float, first: int) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values for the eye: least and greatest of each stretch, gaps left open.
+    """Return times and values for display: least and greatest of each stretch, with gaps.
 
     Args:
         values: (N,), NaN in gaps.

@@ -1,4 +1,4 @@
-"""The diagnosis: its button, its progress, what it found, and what to add with a click."""
+"""The diagnosis: its button, its progress, its findings, and what can be added with a click."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _RANKED = 6
 
 
 class Findings:
-    """What is missing, as far as the data tell."""
+    """What is missing, as far as the data show."""
 
     def __init__(self, live: Live) -> None:
         self.live = live
@@ -30,7 +30,7 @@ class Findings:
         self._adders: list[tuple[Any, EffectKey, str]] = []
 
     def follow(self) -> None:
-        """Show what is going on, and what was found."""
+        """Show the progress and the findings."""
         busy = self.live.work is not None
         self.start.visible, self.stop.visible = not busy, busy
         self.start.disabled = self.live.bench.chosen is None
@@ -47,7 +47,7 @@ class Findings:
             adder.name = f"Added: {w.effect_phrase(key)}" if there else name
 
     def tick(self) -> None:
-        """The progress line, with the time gone by."""
+        """Update the progress line and its time."""
         if self.live.work is None:
             self.progress.object = ""
             return

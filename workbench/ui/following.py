@@ -1,4 +1,4 @@
-"""A model's runs follow its changes: simulated at once, compared with the noise floor once it rests.
+"""Runs of a model after its changes: simulated at once, compared with the noise floor when it rests.
 
 Lives on one thread, that of the server's loop; computing is done on others, which post their results back.
 Every page shows this one state, so that a page that is closed or loaded again loses nothing.
@@ -27,7 +27,7 @@ _REST_S = 0.6  # without a change, before the slow comparison starts
 
 @dataclass
 class Following:
-    """The bench, the runs of its model, and who is told of them.
+    """The bench, the runs of its model, and its listeners.
 
     Attributes:
         bench: what is chosen and changed.
@@ -58,7 +58,8 @@ class Following:
     _change: int = 0
 
     def listen(self, listener: Callable[[str], None]) -> Callable[[], None]:
-        """Be told what changed: ``inputs``, ``model``, ``runs``, ``comparison``, ``work``, ``message``.
+        """Add a listener for changes: ``inputs``, ``model``, ``runs``, ``comparison``, ``work``,
+        ``message``.
 
         Returns:
             What ends it.
@@ -67,7 +68,7 @@ class Following:
         return lambda: self._listeners.remove(listener) if listener in self._listeners else None
 
     def tell(self, what: str) -> None:
-        """Tell every listener."""
+        """Inform every listener."""
         for listener in tuple(self._listeners):
             listener(what)
 
@@ -77,7 +78,7 @@ class Following:
         self.tell("message")
 
     def do(self, change: Callable[[], None]) -> bool:
-        """Make a change of the bench's model; one that cannot be made is said, and nothing is lost."""
+        """Change the model of the bench; an impossible change shows a message, and nothing is lost."""
         try:
             change()
         except WorkbenchError as error:
@@ -90,7 +91,7 @@ class Following:
         return True
 
     def look_at(self, index: int) -> None:
-        """Which recording is to be simulated first."""
+        """Set the recording that is simulated first."""
         self.focus = index
 
     def _changed(self) -> None:
@@ -242,5 +243,5 @@ class Following:
     def responses(
         self, compute: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[str], None]
     ) -> None:
-        """Compute something that a page alone needs, behind what everyone waits for."""
+        """Compute something for one page, after the work for all pages."""
         self._on(self._slow, compute, done, failed)

@@ -1,4 +1,4 @@
-"""What is going on at the bench: runs that follow a slider, choosing, and work that can be stopped."""
+"""Activities of the workbench: runs that follow a slider, selection, and work that can be stopped."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .worker import Worker
 
 @dataclass
 class Live(Following):
-    """The bench and what is going on at it.
+    """The bench and its activities.
 
     Attributes:
         work: what the worker does, in words; None where it rests.
@@ -35,7 +35,7 @@ class Live(Following):
     _turn: object = None
 
     def choose(self, model: str, recordings: tuple[str, ...], held_out: str | None) -> None:
-        """Read and take what was chosen; what cannot be read leaves all as it was."""
+        """Read and use a selection; if it cannot be read, nothing changes."""
         self.loading = True
         self.say("Reading the recordings …" if recordings else "")
 
@@ -55,7 +55,7 @@ class Live(Following):
         self._on(self._quick, read, took, refused)
 
     def take(self, chosen: Chosen) -> None:
-        """Begin with what was read."""
+        """Start with what was read."""
         self.stop()
         self.bench.choose(chosen)
         self.given = self.now = None
@@ -64,7 +64,7 @@ class Live(Following):
         self._changed()
 
     def diagnose(self) -> None:
-        """Start to look for what is missing from the model as it is now."""
+        """Start a diagnosis of the present model."""
         chosen = self.bench.chosen
         if chosen is None:
             self.say("Choose a model and at least one recording first.", wrong=True)
@@ -94,14 +94,14 @@ class Live(Following):
         self._work(f"starting to fit {phrase}", fit_effect, (model, chosen.split()[0], key), done, named)
 
     def stop(self) -> None:
-        """Stop the work in hand, at once."""
+        """Stop the present work at once."""
         if self.work is not None:
             self._worker.stop()
             self.work = None
             self.tell("work")
 
     def close(self) -> None:
-        """End everything."""
+        """Stop everything."""
         self._worker.close()
         for pool in (self._quick, self._slow, self._sight):
             pool.shutdown(wait=False, cancel_futures=True)

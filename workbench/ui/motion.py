@@ -1,4 +1,4 @@
-"""What the moving picture needs: links along the measured motion and along the model's."""
+"""Data of the moving picture: links along the measured motion and along that of the model."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _along(model: Model, run: Recording) -> tuple[np.ndarray, np.ndarray]:
 def moving_picture(
     model: Model, recording: Recording, runs: Mapping[str, Recording | None]
 ) -> dict[str, np.ndarray]:
-    """Columns of one length, so that they travel as one table.
+    """Return columns of equal length, so that they can be sent as one table.
 
     Returns:
         ``t`` [s] (T,); of every run and segment six coordinates [m], ``measured_0_0`` to ``after_S_5``;

@@ -1,4 +1,4 @@
-"""A file that a person names in the browser: plain, in the folder of the bench, and over nothing."""
+"""A file that is named in the browser: a plain name, in the folder of the bench, not overwriting others."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from workbench.report.numbers import plain
 
 
 def new_file(folder: Path, name: str, ending: str, *, force: bool) -> Path:
-    """The path of a new file.
+    """Return the path of a new file.
 
     Args:
         folder: where it goes.

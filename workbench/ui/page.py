@@ -1,4 +1,4 @@
-"""One page: everything that looks at the bench, and follows what happens at it."""
+"""One page: all views of the bench, updated after every change."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _FIXED: dict[str, Any] = {"width": 180}
 
 
 class Page:
-    """What one browser tab shows."""
+    """Content of one browser tab."""
 
     def __init__(self, live: Live, document: Any) -> None:
         self.live, self.document = live, document
@@ -75,7 +75,7 @@ class Page:
         self._later("inputs")
 
     def close(self) -> None:
-        """The tab is gone."""
+        """Release everything after the tab was closed."""
         self._end()
 
     def _watch(self) -> None:
@@ -123,7 +123,7 @@ class Page:
         fade(self.summary, loading)
 
     def tick(self) -> None:
-        """Time goes by while something is computed."""
+        """Update the times that are shown during a computation."""
         if self.live.work is not None:
             self.findings.tick()
 

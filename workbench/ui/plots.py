@@ -1,4 +1,4 @@
-"""Bokeh figures as this page has them: bare, in one style, coloured in the browser by their tags."""
+"""Bokeh figures in the style of this page; the browser sets their colours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _FONT = "system-ui, Segoe UI, Roboto, Noto Sans, DejaVu Sans, sans-serif"
 
 
 def figure(*, height: int, x_label: str = "", y_label: str = "", **options: Any) -> Any:
-    """An empty figure without a toolbar that is as wide as its place."""
+    """Return an empty figure without a toolbar, as wide as its place."""
     out = new_figure(
         height=height,
         sizing_mode="stretch_width",
@@ -41,7 +41,7 @@ def figure(*, height: int, x_label: str = "", y_label: str = "", **options: Any)
 
 
 def line(plot: Any, source: ColumnDataSource, x: str, y: str, look: str, **options: Any) -> Any:
-    """A curve that looks as its name in `LINES` says; slightly wider than on paper."""
+    """Add a curve in the style of its name in `LINES`; slightly wider than on paper."""
     style = LINES[look]
     dash = [round(1.25 * d) for d in style.dash]
     return plot.line(
@@ -57,12 +57,12 @@ def line(plot: Any, source: ColumnDataSource, x: str, y: str, look: str, **optio
 
 
 def band(plot: Any, source: ColumnDataSource, x: str, low: str, high: str, colour: str, alpha: float) -> Any:
-    """A band between two curves."""
+    """Add a band between two curves."""
     return plot.varea(x, low, high, source=source, fill_alpha=alpha, tags=[f"fill:{colour}"])
 
 
 def zooming(plot: Any) -> None:
-    """Drag a stretch of time to look at it; the wheel zooms while Ctrl is held, so that the page scrolls."""
+    """Add zooming: drag over a stretch of time, or use the wheel with Ctrl."""
     box = BoxZoomTool(dimensions="width")
     wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
     plot.add_tools(box, wheel)
@@ -70,7 +70,7 @@ def zooming(plot: Any) -> None:
 
 
 def crosshair(plots: list[Any]) -> None:
-    """One vertical line through all diagrams at the pointer."""
+    """Add one vertical line through all diagrams at the pointer."""
     from bokeh.models import Span
 
     span = Span(dimension="height", line_width=1, line_alpha=0.5, tags=["line:quiet"])
@@ -79,11 +79,11 @@ def crosshair(plots: list[Any]) -> None:
 
 
 def span_of(low: float, high: float) -> tuple[float, float]:
-    """Limits with some air for values from `low` to `high`."""
+    """Return limits with margins for values from `low` to `high`."""
     air = 0.06 * (high - low) or 0.05 * abs(high) or 1.0
     return low - air, high + air
 
 
 def set_range(current: Range1d, low: float, high: float) -> None:
-    """Move a range, in one step."""
+    """Set a range in one step."""
     current.update(start=low, end=high)

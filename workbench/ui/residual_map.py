@@ -1,4 +1,6 @@
-"""Where the model fails: every axis and signal against time, speed or position, in noise floors."""
+"""Where the model fails: residual of every axis and signal over time, speed or position, divided by the
+noise floor.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ FULL = 100.0
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """A table of what is left over the noise.
+    """A table of the residual divided by the noise.
 
     Attributes:
         rows: axis and signal, (R,).
@@ -39,7 +41,9 @@ class ResidualMap:
 def residual_map(
     entries: Sequence[RecordingError], axes: Sequence[str], against: str, shown: int
 ) -> ResidualMap:
-    """The table over ``time`` (of the recording `shown`), ``speed`` or ``position`` (of all recordings)."""
+    """Return the table over ``time`` (of the recording `shown`), ``speed`` or ``position`` (of all
+    recordings).
+    """
     chosen = [entries[shown]] if against == "time" else list(entries)
     rows, edges, ratios = [], [], []
     for axis in axes:
@@ -79,7 +83,7 @@ def _part(entry: RecordingError, axis: str, name: str, against: str) -> tuple[np
 
 
 class MapView:
-    """The table as a picture: one row per axis and signal, darker where more is left."""
+    """The table as a picture: one row per axis and signal, darker for larger residuals."""
 
     def __init__(self) -> None:
         self.source = ColumnDataSource({k: [] for k in _COLUMNS})

@@ -1,4 +1,4 @@
-"""Frequency responses on the page: estimated when asked for, as they take a while."""
+"""Frequency responses on the page; estimated on request, because this takes some time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .widgets import button, column, key, plot_pane, row, safe, text, widget
 
 
 class ResponsePart:
-    """A button, the choice of an entry, and its magnitude over its phase."""
+    """A button, the selection of an entry, and its magnitude and phase."""
 
     def __init__(self, live: Live, document: Any) -> None:
         self.live, self.document = live, document
@@ -37,7 +37,7 @@ class ResponsePart:
         self.forget()
 
     def forget(self) -> None:
-        """Other recordings are looked at."""
+        """Remove the responses after other recordings were selected."""
         self._found = None
         self.told.object = self.key.object = self.notes.object = ""
         self.entry.visible = self.variants.visible = False

@@ -1,4 +1,4 @@
-"""Measured frequency responses beside those that the model's own runs give by the same estimator."""
+"""Measured frequency responses, and those of the runs of the model by the same estimator."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOOKS = ("before", "after", "closed_chain", "kin_only", "s3n_act", "s3n_full", "
 
 @dataclass(frozen=True)
 class Responses:
-    """One posture: what was measured, and what stands beside it.
+    """One posture: measured response, and those of models.
 
     `models`: name, which is also the look, to response (F, ny, nu) at the measured lines.
     """
@@ -32,7 +32,7 @@ class Responses:
 def responses(
     model: Model, recordings: Sequence[Recording], runs: Mapping[str, Sequence[Recording]]
 ) -> Responses:
-    """Estimate the response from recordings, and from runs of models on them.
+    """Return the responses of the recording, and of runs of models on it.
 
     Args:
         model: the model as given, for closed chain and variants.
@@ -79,7 +79,7 @@ def _of_the_file(model: Model, measured: Frf) -> dict[str, np.ndarray]:
 
 
 class ResponseView:
-    """Magnitude over phase of one entry of the response."""
+    """Magnitude and phase of one entry of the response."""
 
     def __init__(self) -> None:
         self.frequency = Range1d(start=0.1, end=100.0)

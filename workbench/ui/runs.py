@@ -1,4 +1,4 @@
-"""What has been simulated of a model so far."""
+"""Simulated runs of a model so far."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from workbench.models import Model
 
 @dataclass
 class Runs:
-    """A model's runs as far as they are there, and what they score.
+    """Runs of a model as far as they are finished, and their score.
 
     Attributes:
         model: which.

@@ -1,4 +1,4 @@
-"""The model as a file, and the report as a page, into the working directory."""
+"""Buttons that write the model as a file and the report as a page into the working directory."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Saving:
         self._waits = False  # the report is asked for, and its comparison is still being made
 
     def follow(self) -> None:
-        """Save a report that was asked for, once it can be made; not after something went wrong."""
+        """Save a requested report as soon as it can be made; not after an error."""
         if not self._waits:
             return
         if self.live.message[1] or self.live.bench.history is None:

@@ -1,4 +1,4 @@
-"""The server: this machine only, this address only, until it is interrupted."""
+"""The server: for this computer only, at this address only, until it is interrupted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the workbench may open: what the command line named, and what lies in the working directory.
+"""Files that the workbench may open: those of the command line, and those in the working directory.
 
 A page sends labels, never paths: what is not on the shelf cannot be opened.
 """
@@ -29,7 +29,7 @@ _SIGNS = {
 
 @dataclass
 class Shelf:
-    """Models and recordings by the label under which a page shows them.
+    """Models and recordings by the label that a page shows.
 
     Attributes:
         models, recordings: label to file; what was named stands first, in its order.
@@ -45,7 +45,7 @@ class Shelf:
 
     @staticmethod
     def of(model: str | None, recordings: Sequence[str], folder: Path) -> Shelf:
-        """What was named, then what `folder` and its subfolders hold, then the shipped models.
+        """Return the named files, then those in `folder` and its subfolders, then the shipped models.
 
         Raises:
             InputError: what was named does not exist, or stands twice.
@@ -70,7 +70,7 @@ class Shelf:
         return Shelf(_short(models), _short(named), typed, unreadable)
 
     def model(self, label: str) -> Model:
-        """The model under a label.
+        """Return the model with a label.
 
         Raises:
             InputError: not on the shelf, or something is wrong with the file.
@@ -78,7 +78,7 @@ class Shelf:
         return load_model(_offered(self.models, label, "model"))
 
     def recording(self, label: str) -> Recording:
-        """The recording under a label; read once, unless its description changed.
+        """Return the recording with a label; it is read once, and again if its description changed.
 
         Raises:
             InputError: not on the shelf, or something is wrong with it.

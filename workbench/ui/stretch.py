@@ -1,4 +1,4 @@
-"""A run of the stretch of time that is looked at, while a slider moves: the whole follows once it rests."""
+"""A run of the visible stretch of time while a slider moves; the complete run follows when it rests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST = 0.5  # share of a recording above which the whole is as quick
 
 
 def stretch_rows(recording: Recording, window: tuple[float, float] | None) -> slice | None:
-    """The rows to simulate for a stretch of time; None where the whole recording is as good.
+    """Return the rows to simulate for a stretch of time; None if the complete recording is as fast.
 
     Args:
         recording: measured.
@@ -28,7 +28,7 @@ def stretch_rows(recording: Recording, window: tuple[float, float] | None) -> sl
 
 
 def run_stretch(model: Model, replay: Replay, index: int, rows: slice, before: Recording) -> Recording | None:
-    """The run of a model like the one before, anew in some rows.
+    """Return a run of a model, recomputed in some rows.
 
     Args:
         model: as it is now.

@@ -15,14 +15,14 @@ NOTHING_CHOSEN = (
 
 
 def verdict(model: str, comparison: Comparison | None) -> str:
-    """A comparison in one sentence; None while it is computed."""
+    """Return a comparison as one sentence; None while it is computed."""
     words = w.comparison_sentence(comparison) if comparison else "Comparing with the noise …"
     tone = "" if comparison is None else "good" if comparison.consistent else "missing"
     return f"<p class=eyebrow>{safe(model)}</p><h1 class='verdict {tone}'>{safe(words)}</h1>"
 
 
 def numbers(error: float | None, given: float | None, floor: float | None) -> str:
-    """The numbers that move with every change."""
+    """Return the numbers that change with every change of the model."""
     cells = [("error", number(error) if error is not None else "…", "error")]
     if given is not None:
         cells.append(("as given", number(given), "given"))

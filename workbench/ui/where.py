@@ -1,4 +1,4 @@
-"""Where the error sits, in words beside the map."""
+"""Where the error is, in words beside the map."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ _SHARES = 5
 
 
 def where_words(comparison: Comparison) -> str:
-    """The largest shares of a comparison's error above the noise, as HTML."""
+    """Return the largest shares of the error of a comparison above the noise, as HTML."""
     shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
     lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
     if lines:
-        told = f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
+        told = (
+            "<p>Largest parts of the squared error above the noise. Frequency, speed, position and time "
+            f"divide the same error differently; do not add the parts.</p><ul>{lines}</ul>"
+        )
     elif comparison.consistent:  # single cells of the map may exceed the noise
         told = "<p>As a whole, the error is no larger than the noise explains.</p>"
     else:

@@ -1,4 +1,4 @@
-"""Panel's widgets in this page's clothes, and text that is safe to show."""
+"""Widgets of Panel in the style of this page, and text that is safe to show."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from workbench.report.response import words_of
 
 @cache
 def style_sheet(name: str) -> str:
-    """A style sheet of this package."""
+    """Return a style sheet of this package."""
     return resources.files("workbench.ui").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def widget(kind: Any, **options: Any) -> Any:
-    """A widget that looks as the page does and is as wide as its place."""
+    """Return a widget in the style of the page, as wide as its place."""
     options.setdefault("sizing_mode", None if "width" in options else "stretch_width")
     options.setdefault("margin", (2, 0))
     return kind(stylesheets=[style_sheet("widgets.css")], **options)
 
 
 def button(name: str, act: Any, *, kind: str = "default", **options: Any) -> Any:
-    """A button that calls `act()`."""
+    """Return a button that calls `act()`."""
     out = widget(pn.widgets.Button, name=name, button_type=kind, **options)
     out.on_click(lambda event: act())
     return out
 
 
 def text(content: str = "", **options: Any) -> Any:
-    """A piece of HTML; whoever makes it has escaped what strangers wrote."""
+    """Return a piece of HTML; names from elsewhere must already be escaped."""
     options.setdefault("margin", 0)
     return pn.pane.HTML(
         content, sizing_mode="stretch_width", stylesheets=[style_sheet("text.css")], **options
@@ -43,30 +43,30 @@ def text(content: str = "", **options: Any) -> Any:
 
 
 def column(*objects: Any, **options: Any) -> Any:
-    """Things below each other."""
+    """Return objects below each other."""
     options.setdefault("margin", 0)
     return pn.Column(*objects, sizing_mode="stretch_width", **options)
 
 
 def row(*objects: Any, **options: Any) -> Any:
-    """Things beside each other, as long as there is room."""
+    """Return objects beside each other, as long as there is room."""
     return pn.FlexBox(*objects, sizing_mode="stretch_width", gap="2px 16px", margin=0, **options)
 
 
 def plot_pane(figure: Any) -> Any:
-    """A figure in the page."""
+    """Return a figure for the page."""
     return pn.pane.Bokeh(figure, sizing_mode="stretch_width", margin=0)
 
 
 def fade(pane: Any, old: bool) -> None:
-    """Grey a pane that shows what no longer holds; one that does as it was."""
+    """Make a pane grey while its content is out of date; otherwise normal."""
     wanted = {"opacity": "0.45" if old else "1"}  # said both times: a browser keeps what is only left out
     if pane.styles != wanted:
         pane.styles = wanted
 
 
 def safe(content: object) -> str:
-    """A string of anybody's as HTML."""
+    """Return any string as HTML."""
     return unbroken(html.escape(plain(content)))
 
 
@@ -74,7 +74,7 @@ _WORDS = {"before": "model as given", "after": "with the changes"}
 
 
 def key(names: list[str]) -> str:
-    """What a diagram shows, as HTML: measured points, and lines."""
+    """Return the legend of a diagram as HTML: measured points, and lines."""
     parts = []
     for name in names:
         look = LINES[name]

@@ -1,4 +1,4 @@
-"""Long work in a process of its own, that can be stopped at any moment by ending it."""
+"""Long work in a separate process, which can be stopped at any time by ending it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Worker:
         self._turn, self._busy = 0, False
 
     def start(self, work: Callable[..., Any], arguments: tuple[Any, ...], tell: Tell) -> None:
-        """Run ``work(*arguments, progress=...)`` there; `work` is a function that a module has by name."""
+        """Run ``work(*arguments, progress=...)`` there; `work` is a function of a module."""
         self.stop()
         if self._process is None:
             own, other = self._context.Pipe()
@@ -42,7 +42,7 @@ class Worker:
         threading.Thread(target=self._follow, args=following, daemon=True).start()
 
     def stop(self) -> None:
-        """End the work in hand, at once; without any, nothing happens."""
+        """Stop the present work at once; without any, nothing happens."""
         if self._busy:
             self.close()
 

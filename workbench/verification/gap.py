@@ -10,6 +10,7 @@ from workbench.core.palette import COLOURS, LINES
 from workbench.core.picture import Picture
 from workbench.models import Model
 from workbench.report.layout import table as new_table
+from workbench.report.response import words_of
 from workbench.s3n.gap import InertiaGap, inertia_gap
 
 _ENTRIES = (("M11", 0, 0), ("M12", 0, 1), ("M22", 1, 1))
@@ -26,7 +27,7 @@ def papers_table(model: Model) -> Table:
         for _, i, j in _ENTRIES:
             change = 100.0 * (m[i, j] / mass["kin_only"][i, j] - 1.0)
             cells.append(f"{m[i, j]:.5f}" + ("" if name == "kin_only" else f" ({change:+.1f} %)"))
-        table.add_row(name, *cells)
+        table.add_row(words_of(name), *cells)
     return table
 
 
@@ -59,16 +60,16 @@ def gap_figure(gap: InertiaGap) -> Figure:
     degrees = np.degrees(gap.alpha)
     for ax, (name, i, j) in zip(axes, _ENTRIES, strict=False):
         for variant, line in _LINES.items():
-            ax.plot(degrees, gap.mass[variant][:, i, j], label=variant, **line.drawn())
+            ax.plot(degrees, gap.mass[variant][:, i, j], label=words_of(variant), **line.drawn())
         ax.set_title(f"{name}, serial [kg m²]", fontsize=9, loc="left")
         low, high = ax.get_ylim()
         ax.set_ylim(min(0.0, low), high)
     axes[0].legend(frameon=False, fontsize=8)
     axes[3].plot(degrees, 100.0 * gap.too_fast, color=COLOURS["ink"][0])
-    axes[3].set_title("Kin-Only too fast by [%]", fontsize=9, loc="left")
+    axes[3].set_title("acceleration too high by [%]", fontsize=9, loc="left")
     axes[3].set_ylim(0.0, 120.0 * gap.too_fast.max())
     for ax in axes:
-        ax.set_xlabel("alpha [deg]")
+        ax.set_xlabel("knee angle alpha [deg]")
         ax.set_xticks([0, 60, 120, 180])
         ax.grid(alpha=0.25)
         ax.spines[["top", "right"]].set_visible(False)

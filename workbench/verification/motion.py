@@ -46,7 +46,7 @@ def _response(subject: Subject, joints: np.ndarray, back: np.ndarray) -> np.ndar
 
 
 def motion_check(subject: Subject, seed: int) -> Check:
-    """A swing of 0.3 s under held random torques about the middle of the workspace."""
+    """Return a swing of 0.3 s under held random torques about the middle of the workspace."""
     chain, model = subject.chain, subject.model
     assert chain is not None
     joints = np.median(subject.states.position, axis=0)

@@ -52,7 +52,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
             ("Lines", str(sum(len(c.frf) for c in found)), _span(found)),
         ),
         sections=(
-            Section("errors", "How far each model is", tables=(_table(found),)),
+            Section("errors", "Error of each model", tables=(_table(found),)),
             *(_section(c, k, len(drawn)) for k, c in enumerate(c for c in found if c in drawn)),
             *_notes(found),
         ),
@@ -61,7 +61,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
 
 
 def percent_of(share: float) -> str:
-    """A share in percent, two digits."""
+    """Return a share in percent, two digits."""
     return f"{number(100 * share, 2)} %"
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workbench.core.palette import COLOURS, LINES
+from workbench.report.response import words_of
 
 from .responses import FrfComparison
 
@@ -50,11 +51,16 @@ def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) 
 def _magnitude(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
     f, size, std = c.frf.frequency, np.abs(c.frf.response[:, i, j]), c.frf.std[:, i, j]
     ax.fill_between(
-        f, np.maximum(size - 1.96 * std, 0.02 * size), size + 1.96 * std, color=_BAND, lw=0, label="95 %"
+        f,
+        np.maximum(size - 1.96 * std, 0.02 * size),
+        size + 1.96 * std,
+        color=_BAND,
+        lw=0,
+        label="95 % interval",
     )
     ax.plot(f, size, ".", ms=2.2, color=_DOTS, label="measured")
     for name in names:
-        ax.plot(f, np.abs(c.models[name][:, i, j]), label=name.replace("_", " "), **_STYLE.get(name, {}))
+        ax.plot(f, np.abs(c.models[name][:, i, j]), label=words_of(name), **_STYLE.get(name, {}))
     ax.set_xscale("log")
     ax.set_yscale("log")
     _plain(ax)
@@ -77,9 +83,9 @@ def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -
 
 def _errors(ax: Axes, c: FrfComparison, names: tuple[str, ...]) -> None:
     f = c.frf.frequency
-    ax.fill_between(f, 1e-4, 100.0 * c.noise, color=_BAND, lw=0, label="measurement's own")
+    ax.fill_between(f, 1e-4, 100.0 * c.noise, color=_BAND, lw=0, label="uncertainty of the measurement")
     for name in names:
-        ax.plot(f, 100.0 * c.error[name], label=name.replace("_", " "), **_STYLE.get(name, {}))
+        ax.plot(f, 100.0 * c.error[name], label=words_of(name), **_STYLE.get(name, {}))
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(max(0.05, 50.0 * float(np.min(c.noise))), None)

@@ -40,7 +40,7 @@ class FrfComparison:
 
     @property
     def overall_noise(self) -> float:
-        """The same of the measurement's own uncertainty."""
+        """Return the same of the measurement's own uncertainty."""
         return float(np.sqrt(np.mean(self.noise**2)))
 
     def worst(self, name: str) -> float:

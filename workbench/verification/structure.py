@@ -17,7 +17,7 @@ EXACT = 1e-9  # relative: rounding, over some thousand operations
 
 
 def engine_checks(subject: Subject) -> list[Check]:
-    """The serial tree in MuJoCo against the same in Pinocchio."""
+    """Return the serial tree in MuJoCo against the same in Pinocchio."""
     q, v, tree = subject.states.position, subject.states.velocity, subject.tree
     ours = reduced(subject.plants["kin_only"], q, v)
     n = subject.model.size
@@ -38,7 +38,7 @@ def engine_checks(subject: Subject) -> list[Check]:
 
 
 def actuator_checks(subject: Subject) -> list[Check]:
-    """Every drive's inertia counted once: on its joint, or behind the transmission."""
+    """Return every drive's inertia counted once: on its joint, or behind the transmission."""
     model = subject.model
     inertia, damping = (np.array(x) for x in (model.actuators.inertia, model.actuators.damping))
     if not inertia.any():
@@ -71,7 +71,7 @@ def actuator_checks(subject: Subject) -> list[Check]:
 
 
 def linkage_checks(subject: Subject) -> list[Check]:
-    """The parallelogram: what the model states of its linkage against what Drake says that it is."""
+    """Return the parallelogram: what the model states of its linkage against what Drake says that it is."""
     model, chain = subject.model, subject.chain
     assert model.linkage is not None and chain is not None
     q = subject.states.position
@@ -139,7 +139,7 @@ def _residual_forms(subject: Subject, links: np.ndarray) -> list[Check]:
 
 
 def exact_checks(subject: Subject, exact: Dynamics) -> list[Check]:
-    """The fully normalised tree against the closed chain: mass, gravity, velocity terms, power."""
+    """Return the fully normalised tree against the closed chain: mass, gravity, velocity terms, power."""
     rotors = closed_forms.pulled_back(np.array(subject.model.actuators.inertia), subject.model.transmission)
     mass = np.array([r.mass for r in subject.real]) + rotors
     gravity, bias = (np.array([getattr(r, k) for r in subject.real]) for k in ("gravity", "bias"))

@@ -63,25 +63,25 @@ class Subject:
 
     @cached_property
     def tree(self) -> SerialTree:
-        """The serial tree in Pinocchio, its drives the Kin-Only way."""
+        """Return the serial tree in Pinocchio, its drives the Kin-Only way."""
         return SerialTree(self.model)
 
     @cached_property
     def plants(self) -> dict[str, Plant]:
-        """The plain variants that this model has what it takes for, compiled for MuJoCo."""
+        """Return the plain variants that this model has what it takes for, compiled for MuJoCo."""
         names = VARIANTS if is_parallelogram(self.model) else ("kin_only", "s3n_act")
         return {name: compile_plant(with_variant(self.model, name)) for name in names}
 
     @cached_property
     def real(self) -> list[Reduced]:
-        """The closed chain's dynamics at every state, links only, serial coordinates."""
+        """Return the closed chain's dynamics at every state, links only, serial coordinates."""
         assert self.chain is not None
         pairs = zip(self.states.position, self.states.velocity, strict=True)
         return [self.chain.serial_dynamics(q, v) for q, v in pairs]
 
     @property
     def foot(self) -> str | None:
-        """The MJCF site at the foot, if there is one."""
+        """Return the MJCF site at the foot, if there is one."""
         names = {site.name for site in load_mjcf(self.model.serial).sites}
         wanted = (self.model.payload_site, self.model.closed_chain.foot if self.model.closed_chain else None)
         return next((name for name in wanted if name in names), None)

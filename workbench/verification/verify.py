@@ -98,11 +98,11 @@ def _free_base(subject: Subject) -> dict[str, tuple[float, str, str]]:
     if "exact" not in subject.plants or subject.chain is None:
         return {}
     error = floating_base_error(subject.model, "exact")
-    about = "Free base, exact variant: "
+    about = "On a free base, the exact variant differs from the closed chain: "
     return {
-        "free_base_mass": (error.mass - error.true_mass, "kg", f"{about}mass off by"),
-        "free_base_coupling": (100.0 * error.coupling, "%", f"{about}coupling with the joints off by"),
-        "free_base_inertia": (100.0 * error.inertia, "%", f"{about}inertia off by"),
+        "free_base_mass": (error.mass - error.true_mass, "kg", f"{about}mass by"),
+        "free_base_coupling": (100.0 * error.coupling, "%", f"{about}coupling between base and joints by"),
+        "free_base_inertia": (100.0 * error.inertia, "%", f"{about}inertia by"),
     }
 
 

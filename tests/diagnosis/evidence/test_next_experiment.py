@@ -75,6 +75,9 @@ def test_the_command_that_is_proposed_runs_and_keeps_its_promise(data: Data, tmp
     ours = having(one, own, std=0.005, torque=0.4)
     theirs = having(other, own, std=0.005, stiffness=1.0, rest=-0.15)
     said = tell_apart(ours, theirs, one, other, data)
+    assert said.startswith(
+        "To tell torque bias on the hip drive from parallel spring on the hip drive: workbench "
+    )
     command = re.search(r"workbench (excite .*?)\. If one is true.* error of ([\d.]+) times", said)
     assert command is not None, said
     file = tmp_path / "next.toml"

@@ -259,7 +259,7 @@ def test_it_costs_little() -> None:
 
 @pytest.mark.parametrize(
     ("share", "said"),
-    [(0.50, "the next best, asymmetric_friction@knee, removes 50.0 %"), (0.66, "simpler than ")],
+    [(0.50, "the next best, asymmetric friction on the knee drive, removes 50.0 %"), (0.66, "simpler than ")],
 )
 def test_a_richer_explanation_that_removes_more_is_no_next_best(share: float, said: str) -> None:
     key, other = EffectKey("coulomb_friction", "knee"), EffectKey("asymmetric_friction", "knee")

@@ -52,7 +52,7 @@ def test_too_much_inertia_is_told_with_its_size_and_not_explained_away(told: Dia
     assert told.verdict == "unexplained"
     assert not told.findings
     line = next(x for x in told.evidence if "too large" in x)
-    assert "reflected_inertia@shoulder -0.15" in line
+    assert "reflected inertia on the shoulder drive -0.15" in line
 
 
 def test_nothing_is_too_much_of_a_right_model(tmp_path: Path) -> None:

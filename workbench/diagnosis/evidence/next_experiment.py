@@ -12,6 +12,7 @@ from workbench.core import Comparison, EffectKey, Finding, InputError, Simulatio
 from workbench.effects import effect_named
 from workbench.frf import Design
 from workbench.models import Model
+from workbench.report.wording import capital, effect_phrase
 from workbench.simulation import Run, as_recording, simulate
 
 from ..data import Data
@@ -43,20 +44,25 @@ def next_experiment(
         models = {key: model for key, model in step.others if key in rivals or not rivals}
         if not found.final_data.replay.machine_alone and (models or rivals):
             rival = next(iter(models), None) or rivals[0]
-            return f"To tell {finding.key} from {rival} on the ground: {_ways(finding.key, rival)}."
+            return f"{_to_tell(finding.key, rival)} on the ground: {_ways(finding.key, rival)}."
         if models:
             rival = next(iter(models))
             return tell_apart(step.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
         if rivals:
             return (
-                f"{finding.key} and {rivals[0]} have the same effect on this machine: no motion can "
-                "distinguish them. To measure the size best: "
+                f"{capital(effect_phrase(finding.key))} and {effect_phrase(rivals[0])} have the same "
+                "effect on this machine: no motion can distinguish them. To measure the size best: "
                 f"{effect_named(finding.key.effect).words.reveal}."
             )
     if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
         model = found.final.hypothesis.model if findings else found.model
         return follow_up(model, after.where, found.start_data.recordings)
     return None
+
+
+def _to_tell(key: EffectKey, rival: EffectKey) -> str:
+    """The beginning of a sentence that says how two effects can be distinguished."""
+    return f"To tell {effect_phrase(key)} from {effect_phrase(rival)}"
 
 
 def _ways(key: EffectKey, rival: EffectKey) -> str:
@@ -83,15 +89,16 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
             continue  # not on this machine: no loop that holds a posture, a limit that rest breaks already
     ways = _ways(key, rival)
     if not tried:
-        return f"To tell {key} from {rival}: {ways}."
+        return f"{_to_tell(key, rival)}: {ways}."
     ratio, command = max(tried)
     if ratio < POLICY.told_apart:
         return (
-            f"No standard excitation distinguishes {key} from {rival}. If one is true, the other still "
-            f"fits with an error of {ratio:.2f} times the noise floor ({command}). Try: {ways}."
+            f"No standard excitation distinguishes {effect_phrase(key)} from {effect_phrase(rival)}. If one "
+            f"is true, the other still fits with an error of {ratio:.2f} times the noise floor ({command}). "
+            f"Try: {ways}."
         )
     return (
-        f"To tell {key} from {rival}: {command}. If one is true, the other then has an error of "
+        f"{_to_tell(key, rival)}: {command}. If one is true, the other then has an error of "
         f"{ratio:.2g} times the noise floor there."
     )
 

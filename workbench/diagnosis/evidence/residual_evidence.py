@@ -9,6 +9,7 @@ from functools import cached_property
 from workbench.core import EffectKey, Shape, Share
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
+from workbench.report.wording import effect_phrase
 
 from ..adequacy.adequacy import Adequacy
 from ..checks.torque_log_offset import torque_offset_lines
@@ -138,7 +139,8 @@ def finding_lines(
     others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
         key, share = others[0]
-        beside = f"simpler than {key}, which" if share > step.removed_share else f"the next best, {key},"
+        other = effect_phrase(key)
+        beside = f"simpler than {other}, which" if share > step.removed_share else f"the next best, {other},"
         theirs, own = shown(share), shown(step.removed_share)
         much = f"as much, {own}" if theirs == own else f"{theirs}; this effect removes {own}"
         lines.append(f"{beside} removes {much} (on {judges}, each signal divided by its noise)")

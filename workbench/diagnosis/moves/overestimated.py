@@ -15,6 +15,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.core.units import unit_text
 from workbench.effects import effect_named, places
+from workbench.report.wording import effect_phrase
 from workbench.simulation import scored_torque
 
 from ..data import gather_along
@@ -56,7 +57,7 @@ class Overestimated:
     def lines(self) -> tuple[str, ...]:
         """Return lines that say what to correct in the model's file."""
         told = [
-            f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {_unit(key)}".rstrip()
+            f"{effect_phrase(key)} {value:+.3g} ± {2.0 * deviation:.2g} {_unit(key)}".rstrip()
             for key, value, deviation, _ in self.parts
         ]
         share = f"{100.0 * self.share:.0f} % of the squared error above the noise on unseen data"

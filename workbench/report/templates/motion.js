@@ -43,18 +43,24 @@ function drawRobot(k) {
   }
 }
 
+const short = v => String(+v.toPrecision(3)).replace("-", "−");
+
 function drawCurve(canvas, time) {
   const p = data.panels[canvas.dataset.panel], c = canvas.getContext("2d"), left = 60, below = 24;
+  // as many dots as the screen has, so that letters have their size on a narrow one too
+  const sharp = window.devicePixelRatio || 1, wide = canvas.clientWidth, high = canvas.clientHeight;
+  if (canvas.width !== Math.round(sharp * wide)) { canvas.width = Math.round(sharp * wide); canvas.height = Math.round(sharp * high); }
+  c.setTransform(sharp, 0, 0, sharp, 0, 0);
   const values = p.curves.flatMap(([, y]) => y).filter(v => v !== null);
   const [min, max] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [1e99, -1e99]);
   const span = max > min ? max - min : 1, x0 = p.x[0], across = p.x[p.x.length - 1] - x0 || 1;
-  const place = (x, y) => [left + (x - x0) / across * (canvas.width - left - 8),
-    (canvas.height - below) - (y - min) / span * (canvas.height - below - 10)];
-  c.clearRect(0, 0, canvas.width, canvas.height);
+  const place = (x, y) => [left + (x - x0) / across * (wide - left - 8),
+    (high - below) - (y - min) / span * (high - below - 10)];
+  c.clearRect(0, 0, wide, high);
   c.fillStyle = style("--quiet");
   c.font = "13px sans-serif";
-  for (const v of [min, max]) c.fillText(v.toPrecision(3), 2, place(x0, v)[1] + 4);
-  c.fillText(`${x0.toPrecision(3)} to ${(x0 + across).toPrecision(4)}: ${p.across}`, left, canvas.height - 4);
+  for (const v of [min, max]) c.fillText(short(v), 2, place(x0, v)[1] + 4);
+  c.fillText(`${p.across}: ${short(x0)} to ${short(x0 + across)}`, left, high - 4);
   p.curves.forEach(([, y], k) => {
     c.strokeStyle = colours()[k % 6];
     c.lineWidth = 1.5;
