@@ -131,6 +131,10 @@ class Closure:
         self._tree.move(self._last.theta)
         return self._last
 
+    def along(self, origin: Posture, q: np.ndarray) -> Posture | None:
+        """Return the closed posture at `q` (n,), straight from `origin`; None where the loops open."""
+        return self._follow(origin, q)
+
     def regular(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return theta (N,), L (N, n) and the pseudo-inverse of phi_d (N - n, 3 m) at `q` (n,).
 
@@ -240,7 +244,10 @@ class Closure:
 def _routes(origin: np.ndarray, q: np.ndarray) -> Iterator[list[np.ndarray]]:
     """Return paths: straight, then one coordinate at a time (a workspace need not be convex)."""
     yield [q]
-    for order in (range(len(q)), range(len(q) - 1, -1, -1)):
+    moved = [i for i in range(len(q)) if q[i] != origin[i]]
+    if len(moved) < 2:  # that was straight already
+        return
+    for order in (moved, moved[::-1]):
         corner, corners = origin.copy(), []
         for i in order:
             corner = corner.copy()

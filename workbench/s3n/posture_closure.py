@@ -91,6 +91,15 @@ class LoopClosure:
             raise SimulationError(f"model '{self.model.name}': {why} at {say(self.model, q)}")
         return posture
 
+    @property
+    def start(self) -> ClosedPosture:
+        """The closed posture from which all others are reached."""
+        return self._closure.at(self._begun)
+
+    def along(self, origin: ClosedPosture, q: np.ndarray) -> ClosedPosture | None:
+        """The closed posture at serial positions `q` (n,), straight from `origin`; None where that fails."""
+        return self._closure.along(origin, q)
+
     def gamma(self, posture: Posture, rates: np.ndarray) -> np.ndarray:
         """Acceleration of the tree (N,) at a posture and rates (N,) and no acceleration of the joints."""
         self.data.qvel[:] = rates
@@ -140,6 +149,7 @@ class LoopClosure:
                 column="closed_chain.start", remedy="give the joints' angles near a closed posture",
             )  # fmt: skip
         closure = Closure(self, self.serial, theta, through=False)
+        self._begun = theta[self.serial]
         why, posture = self._regular(closure.at(theta[self.serial]))
         if posture is None:
             raise InputError(
