@@ -118,10 +118,7 @@ def import_model(
         if hold_rest:
             first = (*converted.motors, *converted.springs) if converted else ()
             cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
-        chain = ClosedChain(cut)
-        begun = _begun(cut, chain)
-        if begun is not cut:  # what the file will say is of the posture that the file will say
-            cut, chain = begun, ClosedChain(begun)
+        cut, chain = _begun(cut)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(
@@ -147,8 +144,7 @@ def import_model(
                 limits = _reached(replace(whole, closed_chain=cut), chain, kept, tell)
                 narrowed = replace(cut, limits=limits)
                 if narrowed != cut:  # a start posture outside the limits is none
-                    chain = ClosedChain(narrowed)
-                    narrowed = _begun(narrowed, chain)
+                    narrowed, chain = _begun(narrowed)
                     matrix = chain.jacobian(chain.start[1])
                     written = replace(narrowed, file=kept_file.resolve())
                     model = replace(model, transmission=matrix, closed_chain=written)
@@ -181,18 +177,21 @@ def _reached(
     return limits
 
 
-def _begun(mechanism: Mechanism, chain: ClosedChain) -> Mechanism:
-    """The mechanism with the posture that it was assembled in as its start, where that is far from the
-    stated one.
+def _begun(mechanism: Mechanism) -> tuple[Mechanism, ClosedChain]:
+    """The mechanism with the posture that it is assembled in as its start, where that is far from the stated
+    one, and its closed chain.
 
-    Whoever closes the loops next begins there, and finds the same way to put it together.
+    Whoever closes the loops next begins there, and finds the same way to put it together. What a model's file
+    says is of the posture that it says, digit by digit.
     """
+    chain = ClosedChain(mechanism)
     stated = dict(mechanism.start)
     found = chain.tree_position(chain.start[0])
     named = dict(zip(chain.coordinates, map(float, found), strict=True))
     if all(abs(value - stated.get(name, 0.0)) < _STRAYED for name, value in named.items()):
-        return mechanism
-    return replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
+        return mechanism, chain
+    begun = replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
+    return begun, ClosedChain(begun)
 
 
 def _check_written(file: Path, source: Path, force: bool) -> None:
