@@ -67,7 +67,8 @@ def evaluate(
     if json:
         write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
-        echo(f"{loaded.task}, trained in {loaded.variant}:")
+        tree = "a tree fitted to its loops" if loaded.control.map else loaded.variant
+        echo(f"{loaded.task}, trained in {tree}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
             echo(f"  {score:32s} {'  '.join(values)}")

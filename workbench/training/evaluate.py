@@ -89,7 +89,8 @@ def evaluate(
         PolicyPilot(Policy(bundle), task, machine), machine, plant, seconds, seed,
         command=_command(task, seed, machine), goal=task.goal, sensors=sensors, robot=robot, tell=tell,
     )  # fmt: skip
-    name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
+    variant = bundle.variant if machine.map is None else "fitted"
+    name = f"{task.name}_{variant}_{'hardware' if hardware else 'simulation'}"
     stepped = machine.floating and not hardware and law is None
     return Evaluation(log.recording(name, machine, stepped), task.scores(log), log.fell_s)
 
