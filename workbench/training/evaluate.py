@@ -23,6 +23,7 @@ from .plants import ClosedChainPlant, Plant, TrainedPlant
 from .robot import IDEAL, Robot
 from .rollout import PolicyPilot, run
 from .task import Task
+from .tried import called
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,8 @@ def evaluate(
     variant = bundle.variant if machine.map is None else "fitted"
     name = f"{task.name}_{variant}_{'hardware' if hardware else 'simulation'}"
     stepped = machine.floating and not hardware and law is None
-    return Evaluation(log.recording(name, machine, stepped), task.scores(log), log.fell_s)
+    scores = called("scores", task_file, task.scores, log) if task_file else task.scores(log)
+    return Evaluation(log.recording(name, machine, stepped), scores, log.fell_s)
 
 
 def _command(task: Task, seed: int, machine: Machine) -> np.ndarray:

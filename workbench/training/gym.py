@@ -24,6 +24,7 @@ from .randomisation import Randomisation, world_fields
 from .task import Task
 from .task_file import load_task, posed
 from .tasks import TASKS
+from .tried import try_task
 from .worlds import BatchWorlds
 
 if TYPE_CHECKING:
@@ -130,6 +131,8 @@ def vector_environment(
         )
     wanted = TASKS[task] if task in TASKS else load_task(Path(task))
     machine = posed(wanted, make_machine(wanted.machine, load_model(model), variant))
+    if wanted.suffix == ".py":
+        try_task(wanted, machine, Path(task))
     return WorkbenchVectorEnv(wanted, machine, num_envs, seed)
 
 
