@@ -1,10 +1,11 @@
 """A task's worlds as a Gymnasium vector environment, for those with a learner of their own.
 
-    env = gymnasium.make_vec("workbench/reach-v0", num_envs=256)          # a shipped task, the reference leg
-    env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)   # one's own
+    env = gymnasium.make_vec("workbench.training.gym:workbench/reach-v0", num_envs=256)   # a shipped task
+    env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)                   # one's own
 
 It is the simulation that `train` learns in: the same observations, noise, rewards and draws. Gymnasium is
-not a dependency; where it is installed, its entry point registers the tasks.
+not a dependency; where it is installed, this module registers the tasks as it is imported, which
+``workbench.training.gym:`` before a name makes Gymnasium do.
 """
 
 from __future__ import annotations
@@ -137,11 +138,16 @@ def vector_environment(
 
 
 def register() -> None:
-    """Make Gymnasium know the shipped tasks, as ``workbench/TASK-v0``; its entry point calls this."""
-    import gymnasium  # pyright: ignore[reportMissingImports]
-
+    """Make Gymnasium know the shipped tasks, as ``workbench/TASK-v0``; nothing where it is missing."""
+    try:
+        import gymnasium  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        return
     for name in TASKS:
         gymnasium.register(
             f"workbench/{name}-v0", vector_entry_point="workbench.training.gym:vector_environment",
             kwargs={"task": name},
         )  # fmt: skip
+
+
+register()
