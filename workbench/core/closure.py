@@ -38,8 +38,8 @@ class _Tree(Protocol):
     @property
     def names(self) -> Sequence[str]: ...
     def move(self, theta: np.ndarray) -> None: ...
-    def gap(self) -> np.ndarray: ...  # (3 m + k,) [m or rad]
-    def gap_jacobian(self) -> np.ndarray: ...  # (3 m + k, N)
+    def gap(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k,) [m or rad]
+    def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k, N)
     def gap_bias(self) -> np.ndarray: ...  # its second derivative at zero acceleration of the tree (3 m + k,)
 
 
@@ -108,13 +108,18 @@ class Closure:
         independent: positions in theta of the independent coordinates, length n.
         start: a closed posture (N,) that is no dead point; the branch it lies on is kept.
         through: whether the way may lead straight through a dead point, as that of a parallelogram.
+        moving: rows of the gap and coordinates of the loops that move with these; all others stay where
+            they are in `start`, as those of another limb do, and cost nothing.
     """
 
     def __init__(
-        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True
-    ) -> None:
+        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True,
+        moving: tuple[Sequence[int], Sequence[int]] | None = None,
+    ) -> None:  # fmt: skip
+        self._rows, columns = moving or (None, range(len(start)))
+        self._every = slice(None) if self._rows is None else list(self._rows)
         self.independent = list(independent)
-        self.dependent = [i for i in range(len(start)) if i not in self.independent]
+        self.dependent = [i for i in columns if i not in self.independent]
         self._tree, self._through = tree, through
         self._start = self._last = self._posture(np.array(start, float))
 
@@ -149,7 +154,7 @@ class Closure:
     def gamma(self, inverse: np.ndarray) -> np.ndarray:
         """The acceleration of the tree (N,) at zero acceleration of q, at its current posture and speed."""
         gamma = np.zeros(len(self._last.theta))
-        gamma[self.dependent] = -inverse @ self._tree.gap_bias()
+        gamma[self.dependent] = -inverse @ self._tree.gap_bias()[self._every]
         return gamma
 
     def say(self, q: np.ndarray) -> str:
@@ -162,10 +167,10 @@ class Closure:
         theta = theta.copy()
         for _ in range(12):
             self._tree.move(theta)
-            gap = self._tree.gap()
+            gap = self._tree.gap(self._rows)
             if np.abs(gap).max(initial=0.0) < 1e-15:
                 return theta
-            gap_d = self._tree.gap_jacobian()[:, self.dependent]
+            gap_d = self._tree.gap_jacobian(self._rows)[:, self.dependent]
             step = np.linalg.lstsq(gap_d, gap, rcond=1e-12)[0]
             theta[self.dependent] -= step
             size = np.abs(step).max(initial=0.0)
@@ -226,7 +231,7 @@ class Closure:
 
     def _posture(self, theta: np.ndarray) -> Posture:
         self._tree.move(theta)
-        jacobian = self._tree.gap_jacobian()
+        jacobian = self._tree.gap_jacobian(self._rows)
         gap_d, q = jacobian[:, self.dependent], theta[self.independent]
         if gap_d.shape[1] == 0:
             return Posture(q, theta, gap_d, gap_d.T, np.eye(len(theta))[:, self.independent], 1.0)
