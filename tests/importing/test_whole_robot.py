@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from tests.cli.here import run
 from workbench.core import Coupling, Mechanism
 from workbench.importing import contents_of
 from workbench.mechanism import ClosedChain, held_rest
+from workbench.mechanism.tree import Tree
 from workbench.models import read_model
 from workbench.verification import verify
 
@@ -116,3 +118,24 @@ def test_what_is_held_leaves_as_many_freedoms_as_drives(tmp_path: Path) -> None:
     own = Mechanism(sdf, ("crank_pin",), ("knee",), couplings=(Coupling("hip", None, (0.3,)),))
     chain = ClosedChain(own)
     assert np.isfinite(chain.serial_dynamics(np.array([1.0]), np.zeros(1)).mass).all()
+
+
+def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = _biped(tmp_path)
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
+    assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
+    model = read_model(tmp_path / "own.toml")
+    assert model.closed_chain is not None
+    chain, asked, jacobian = ClosedChain(model.closed_chain), list[Sequence[int] | None](), Tree.gap_jacobian
+
+    def told(tree: Tree, rows: Sequence[int] | None = None) -> np.ndarray:
+        asked.append(rows)
+        return jacobian(tree, rows)
+
+    monkeypatch.setattr(Tree, "gap_jacobian", told)
+    before = chain.tree_position(chain.drive_position(np.array([0.3])))
+    after = chain.tree_position(chain.drive_position(np.array([0.8])))
+    moved = {n for n, change in zip(chain.coordinates, np.abs(after - before), strict=True) if change > 0.0}
+    assert moved == {"left_ankle", "left_crank", "left_rod"}
+    # of two loops and the joints that are held, those of one loop
+    assert asked and all(rows is not None and len(rows) <= 3 for rows in asked)

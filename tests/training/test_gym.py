@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.core import InputError
-from workbench.training.gym import register, vector_environment
+from workbench.training.gym import vector_environment
 
 from .make import environment
 
@@ -20,8 +20,7 @@ def test_vector_environment() -> None:
         return
     import gymnasium
 
-    register()
-    env = gymnasium.make_vec("workbench/reach-v0", num_envs=4)
+    env = gymnasium.make_vec("workbench.training.gym:workbench/reach-v0", num_envs=4)
     first, info = env.reset(seed=3)
     assert env.observation_space.contains(first) and info["privileged"].shape == (4, 0)
     ended = 0

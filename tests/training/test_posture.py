@@ -62,10 +62,22 @@ def test_its_policy_runs_in_its_closed_chain_and_compare_takes_the_recording(tra
     done = run("evaluate", "run/bundle.zip", "-o", "evaluated", "--seconds", 1.5, cwd=trained)
     assert done.returncode == 0, done.stderr
     assert "the closed chain of ankle.sdf" in done.stdout
-    result = compare(
-        load_model(trained / "ankle.toml"), load_recordings([trained / "evaluated" / "hardware.toml"])
-    )
-    assert result.consistent and result.error < 1.1 * result.noise_error
+    assert "trained in a tree fitted to its loops" in done.stdout
+    for name in ("hardware", "simulation"):
+        recordings = load_recordings([trained / "evaluated" / f"{name}.toml"])
+        assert recordings[0].name == f"reach_fitted_{name}"
+        result = compare(load_model(trained / "ankle.toml"), recordings)
+        assert result.consistent and result.error < 1.1 * result.noise_error
+
+
+def test_limits_that_no_plain_tree_fits_are_refused_with_what_to_do(trained: Path) -> None:
+    near = (trained / "ankle.toml").read_text()
+    assert "limits = [[-0.5, 0.4], [-0.25, 0.25]]" in near
+    wide = near.replace("limits = [[-0.5, 0.4], [-0.25, 0.25]]", "limits = [[-0.9, 0.9], [-0.4, 0.4]]")
+    (trained / "wide.toml").write_text(wide)
+    with pytest.raises(InputError, match="narrow the limits") as raised:
+        make_machine("leg", read_model(trained / "wide.toml"))
+    assert "--allow-error" not in str(raised.value)
 
 
 def test_it_is_deployed_over_the_virtual_bus_and_the_run_comes_back_as_a_recording(trained: Path) -> None:

@@ -66,3 +66,40 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, told: st
         load_task(tmp_path / "bad.py")
     done = run("train", "bad.py", "--unverified", "-o", "run", cwd=tmp_path)
     assert done.returncode == 2 and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("return s.xp.exp(", "return s.nothing(", "row 16: reward 'near' fails: AttributeError"),
+        (
+            "s.xp.square(miss(s)), -1))",
+            "s.xp.square(miss(s))))",
+            "reward 'near' gives an array () in 3 worlds",
+        ),
+        ("return s.xp.exp(-", "return s.xp.sqrt(-1.0 -", "reward 'near' gives what is no number"),
+        ("return s.position - s.machine", "return s.position[:, 7] - s.machine", "observation 'miss' fails"),
+        ("numbers=lambda joints: joints", "numbers=lambda joints: 9", "command gives an array (3, 2)"),
+        ("6.0 * command * xp.cos(angle)", "command[:1]", "speeds of goal gives an array (1, 2)"),
+    ],
+)
+def test_what_its_functions_do_wrong_is_said_before_it_trains(
+    tmp_path: Path, old: str, new: str, told: str
+) -> None:
+    assert old in _TASK
+    (tmp_path / "swing.py").write_text(_TASK.replace(old, new))
+    words = ["--unverified", "--envs", 4, "--iterations", 1, "-o", "run"]
+    done = run("train", "swing.py", *words, cwd=tmp_path)
+    assert done.returncode == 2 and told in done.stderr and "swing.py" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_terms_without_a_docstring_and_scores_that_fail(tmp_path: Path) -> None:
+    bare = _TASK.replace('    """exp(-|miss|^2)."""\n', "").replace('log.get("joints")', 'log.get("toes")')
+    (tmp_path / "swing.py").write_text(bare)
+    words = ["--unverified", "--envs", 4, "--iterations", 1, "-o", "run"]
+    done = run("train", "swing.py", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    words = ["evaluate", "run/bundle.zip", "-o", "out", "--seconds", 1.5, "--task", "swing.py"]
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2 and "scores fails: KeyError: 'toes'" in done.stderr

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.core import Check, Verification
+from workbench.core import Check, InputError, Verification
 from workbench.core.paths import models_folder
 from workbench.models import read_model
 from workbench.verification import verify
@@ -82,16 +82,25 @@ def test_drives_in_the_wrong_order(tmp_path: Path) -> None:
     assert "transmission" in failures(result.checks)
 
 
-def test_limits_that_the_mechanism_cannot_reach(tmp_path: Path) -> None:
+def test_limits_that_the_mechanism_cannot_reach_are_left_out_and_told(tmp_path: Path) -> None:
     result = broken(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.6, -1.2]"))
-    assert failures(result.checks) == {"posture_workspace"}
-    assert "cannot be closed" in next(c.hint for c in result.checks if not c.passed)
+    assert result.passed
+    assert any(line.startswith("knee_1 from -2.6 to ") for line in result.not_checked)
+    subject = Subject.of(read_model(tmp_path / "five_bar.toml"), 40, 0, 1e-9)
+    assert subject.unreached == 0 and subject.states.position[:, 1].min() > -2.6
+
+
+def test_limits_about_no_posture_that_closes_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="closes the loops"):
+        broken(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.9, -2.6]"))
 
 
 def test_states_that_the_mechanism_cannot_be_in_are_counted(tmp_path: Path) -> None:
-    model = read_model(made(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.6, -1.2]")))
+    # where the mechanism's limits are not stated, states are drawn within those of the tree
+    none = ("toml", "limits = [[0.4, 1.4], [-2.0, -1.2]]", "")
+    model = read_model(made(tmp_path, none, ("xml", 'range="-2 -1.2"', 'range="-2.6 -1.2"')))
     subject, result = Subject.of(model, 40, 0, 1e-9), verify(model, samples=40)
-    assert 0 < subject.unreached < 20 and len(subject.states) == 40 - subject.unreached
+    assert 0 < subject.unreached < 30 and len(subject.states) == 40 - subject.unreached
     left = f"{subject.unreached} of 40 random states within the limits"
     assert f"{left}: the closed chain cannot reach them" in result.not_checked
 

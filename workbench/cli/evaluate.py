@@ -70,7 +70,9 @@ def evaluate(
     if not quiet and json != "-":
         from workbench.report.response import words_of
 
-        echo(f"{loaded.task}, trained in the variant {words_of(loaded.variant)}:")
+        variant = f"the variant {words_of(loaded.variant)}"
+        tree = "a tree fitted to its loops" if loaded.control.map else variant
+        echo(f"{loaded.task}, trained in {tree}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
             what, unit = score_words(score)

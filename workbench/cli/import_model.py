@@ -91,10 +91,8 @@ def import_mechanism(
     contents = contents_of(path)
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o MODEL.toml")
-    stated = {
-        **contents.limits,
-        **{k: _range(v) for k, v in named_values(asked.limits, "--limits", "knee=0.35:2.6").items()},
-    }
+    own = {k: _range(v) for k, v in named_values(asked.limits, "--limits", "knee=0.35:2.6").items()}
+    stated, narrowed = {**contents.limits, **own}, list[str]()
     known = [name for name in serial if name in stated]
     if known and len(known) < len(serial):
         missing = next(name for name in serial if name not in stated)
@@ -130,7 +128,15 @@ def import_mechanism(
     )
     loop = _loop(asked, count)
     made = import_model(
-        mechanism, drives, output, axes=axes, controller=loop, hold_rest=asked.hold_rest, force=force
+        mechanism,
+        drives,
+        output,
+        axes=axes,
+        controller=loop,
+        hold_rest=asked.hold_rest,
+        kept=tuple(own),
+        tell=narrowed.append,
+        force=force,
     )
     assert made.closed_chain is not None
     held = [c for c in made.closed_chain.couplings if c not in (*mechanism.couplings, *contents.couplings)]
@@ -146,6 +152,8 @@ def import_mechanism(
             "posture_dependent": made.posture_dependent,
             "linkage": None if made.linkage is None else linkage_table(made.linkage),
             "assemblies": vars(ways),
+            "limits": [list(pair) for pair in made.closed_chain.limits],
+            "limits_changed": narrowed,
         }
         write_result(content, json, files=[path], force=force)
     if quiet or json == "-":
@@ -157,6 +165,8 @@ def import_mechanism(
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:
         echo(f"{line[0].upper()}{line[1:]}.")
+    for line in narrowed:
+        echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}

@@ -115,6 +115,7 @@ def train(
     from workbench.training.settings import Settings
     from workbench.training.task_file import load_task, posed
     from workbench.training.tasks import TASKS
+    from workbench.training.tried import try_task
 
     own = task.endswith((".toml", ".py"))
     if not own and task not in TASKS:
@@ -161,6 +162,8 @@ def train(
             remedy="make it with `workbench approve`, or train with --unverified",
         )
     machine = posed(wanted, make_machine(wanted.machine, loaded, variant, law=TRAINING if stiff else None))
+    if wanted.suffix == ".py":
+        try_task(wanted, machine, Path(task))
     if machine.floating and shown:
         echo(f"The quadruped is the reference trunk on four legs of {loaded.name}.")
     if machine.left_out and shown:

@@ -13,13 +13,12 @@ along L and never looked for afresh: that keeps it on the branch of the start po
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from .coupling import Coupling
 from .errors import SimulationError
 
 #: Ratio of smallest to largest singular value below which a posture counts as a dead point.
@@ -38,45 +37,9 @@ class _Tree(Protocol):
     @property
     def names(self) -> Sequence[str]: ...
     def move(self, theta: np.ndarray) -> None: ...
-    def gap(self) -> np.ndarray: ...  # (3 m + k,) [m or rad]
-    def gap_jacobian(self) -> np.ndarray: ...  # (3 m + k, N)
+    def gap(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k,) [m or rad]
+    def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k, N)
     def gap_bias(self) -> np.ndarray: ...  # its second derivative at zero acceleration of the tree (3 m + k,)
-
-
-@dataclass(frozen=True)
-class BoundJoints:
-    """Couplings as equations in the coordinates of a tree, zero when they are met.
-
-    Attributes:
-        pairs: each coupling, the coordinate that follows, and the one followed (None: it is held).
-    """
-
-    pairs: tuple[tuple[Coupling, int, int | None], ...]
-
-    @staticmethod
-    def of(couplings: Sequence[Coupling], place: Callable[[str], int]) -> BoundJoints:
-        """Return the couplings of a tree; `place` gives the coordinate of a joint."""
-        return BoundJoints(
-            tuple((c, place(c.joint), place(c.follows) if c.follows else None) for c in couplings)
-        )
-
-    def gap(self, theta: np.ndarray) -> np.ndarray:
-        """Return the distance of each joint from its required position (k,) [rad or m]."""
-        return np.array([theta[a] - c.at(0.0 if b is None else theta[b])[0] for c, a, b in self.pairs])
-
-    def jacobian(self, theta: np.ndarray) -> np.ndarray:
-        """Return d gap / d theta (k, N)."""
-        rows = np.zeros((len(self.pairs), len(theta)))
-        for row, (c, a, b) in zip(rows, self.pairs, strict=True):
-            row[a] = 1.0
-            if b is not None:
-                row[b] -= c.at(theta[b])[1]
-        return rows
-
-    def bias(self, theta: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """Return the second derivative of the gap at zero acceleration (k,)."""
-        bends = (0.0 if b is None else -c.at(theta[b])[2] * rates[b] ** 2 for c, _, b in self.pairs)
-        return np.fromiter(bends, float, len(self.pairs))
 
 
 @dataclass(frozen=True)
@@ -108,13 +71,18 @@ class Closure:
         independent: positions in theta of the independent coordinates, length n.
         start: a closed posture (N,) that is no dead point; the branch it lies on is kept.
         through: whether the way may lead straight through a dead point, as that of a parallelogram.
+        moving: rows of the gap and coordinates of the loops that move with these; all others stay where
+            they are in `start`, as those of another limb do, and cost nothing.
     """
 
     def __init__(
-        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True
-    ) -> None:
+        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True,
+        moving: tuple[Sequence[int], Sequence[int]] | None = None,
+    ) -> None:  # fmt: skip
+        self._rows, columns = moving or (None, range(len(start)))
+        self._every = slice(None) if self._rows is None else list(self._rows)
         self.independent = list(independent)
-        self.dependent = [i for i in range(len(start)) if i not in self.independent]
+        self.dependent = [i for i in columns if i not in self.independent]
         self._tree, self._through = tree, through
         self._start = self._last = self._posture(np.array(start, float))
 
@@ -131,6 +99,10 @@ class Closure:
         self._tree.move(self._last.theta)
         return self._last
 
+    def along(self, origin: Posture, q: np.ndarray) -> Posture | None:
+        """Return the closed posture at `q` (n,), straight from `origin`; None where the loops open."""
+        return self._follow(origin, q)
+
     def regular(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return theta (N,), L (N, n) and the pseudo-inverse of phi_d (N - n, 3 m) at `q` (n,).
 
@@ -145,7 +117,7 @@ class Closure:
     def gamma(self, inverse: np.ndarray) -> np.ndarray:
         """The acceleration of the tree (N,) at zero acceleration of q, at its current posture and speed."""
         gamma = np.zeros(len(self._last.theta))
-        gamma[self.dependent] = -inverse @ self._tree.gap_bias()
+        gamma[self.dependent] = -inverse @ self._tree.gap_bias()[self._every]
         return gamma
 
     def say(self, q: np.ndarray) -> str:
@@ -158,10 +130,10 @@ class Closure:
         theta = theta.copy()
         for _ in range(12):
             self._tree.move(theta)
-            gap = self._tree.gap()
+            gap = self._tree.gap(self._rows)
             if np.abs(gap).max(initial=0.0) < 1e-15:
                 return theta
-            gap_d = self._tree.gap_jacobian()[:, self.dependent]
+            gap_d = self._tree.gap_jacobian(self._rows)[:, self.dependent]
             step = np.linalg.lstsq(gap_d, gap, rcond=1e-12)[0]
             theta[self.dependent] -= step
             size = np.abs(step).max(initial=0.0)
@@ -222,7 +194,7 @@ class Closure:
 
     def _posture(self, theta: np.ndarray) -> Posture:
         self._tree.move(theta)
-        jacobian = self._tree.gap_jacobian()
+        jacobian = self._tree.gap_jacobian(self._rows)
         gap_d, q = jacobian[:, self.dependent], theta[self.independent]
         if gap_d.shape[1] == 0:
             return Posture(q, theta, gap_d, gap_d.T, np.eye(len(theta))[:, self.independent], 1.0)
@@ -240,7 +212,10 @@ class Closure:
 def _routes(origin: np.ndarray, q: np.ndarray) -> Iterator[list[np.ndarray]]:
     """Return paths: straight, then one coordinate at a time (a workspace need not be convex)."""
     yield [q]
-    for order in (range(len(q)), range(len(q) - 1, -1, -1)):
+    moved = [i for i in range(len(q)) if q[i] != origin[i]]
+    if len(moved) < 2:  # that was straight already
+        return
+    for order in (moved, moved[::-1]):
         corner, corners = origin.copy(), []
         for i in order:
             corner = corner.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,11 +13,14 @@ from workbench.core import Controller, InputError, Mechanism
 from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission, held_rest
 from workbench.models import Actuators, Model, model_text
+from workbench.s3n import reach
+from workbench.s3n.posture import MOST_DRIVES
 
 from .linkage import is_all, parallelogram_linkage
 from .opened import opened
 from .serial_tree import serial_mjcf
 
+_AROUND = 0.5  # rad or m: of joints without limits, to both sides of the start posture
 _STRAYED = 0.2  # rad or m between a start posture and that which was assembled
 
 
@@ -59,6 +62,8 @@ def import_model(
     axes: Sequence[str] | None = None,
     controller: Controller | None = None,
     hold_rest: bool = False,
+    kept: Sequence[str] = (),
+    tell: Callable[[str], object] = lambda line: None,
     force: bool = False,
 ) -> Model:
     """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
@@ -74,6 +79,9 @@ def import_model(
         axes: names of the axes; the drives' joints if not given.
         controller: the loop that it usually runs in, if that is known.
         hold_rest: hold every joint that neither drives nor loops move.
+        kept: serial joints whose limits are kept; where the transmission changes with the posture, those of
+            the others are narrowed to what is reached, free of dead points.
+        tell: is told limits that are not the file's, and why.
         force: overwrite.
 
     Raises:
@@ -93,7 +101,7 @@ def import_model(
             f"{len(names)} axis names for {len(mechanism.drives)} drives", remedy="name each axis once"
         )
     with opened(mechanism.file) as (source, converted):
-        cut, kept, texts = replace(mechanism, file=source), mechanism.file, dict[Path, str]()
+        cut, kept_file, texts = replace(mechanism, file=source), mechanism.file, dict[Path, str]()
         if converted is not None:
             cut = replace(
                 cut,
@@ -104,16 +112,13 @@ def import_model(
             cut = replace(
                 cut, start=(*mechanism.start, *(e for e in converted.start.items() if e[0] not in named))
             )
-            kept = target.with_suffix(converted.suffix)
-            _check_written(kept, mechanism.file, force)
-            texts[kept] = converted.text
+            kept_file = target.with_suffix(converted.suffix)
+            _check_written(kept_file, mechanism.file, force)
+            texts[kept_file] = converted.text
         if hold_rest:
             first = (*converted.motors, *converted.springs) if converted else ()
             cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
-        chain = ClosedChain(cut)
-        begun = _begun(cut, chain)
-        if begun is not cut:  # what the file will say is of the posture that the file will say
-            cut, chain = begun, ClosedChain(begun)
+        cut, chain = _begun(cut)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(
@@ -123,7 +128,7 @@ def import_model(
             joints=cut.joints,
             transmission=transmission.matrix,
             actuators=drives.at_output,
-            closed_chain=replace(cut, file=kept.resolve()),
+            closed_chain=replace(cut, file=kept_file.resolve()),
             posture_dependent=not transmission.constant,
             payload_site=cut.foot,
             controller=controller or Controller(),
@@ -132,27 +137,61 @@ def import_model(
             (Path(folder) / tree.name).write_text(mjcf)
             whole = replace(model, serial=Path(folder) / tree.name)
             linkage = parallelogram_linkage(chain, whole)
-            lacks = transmission.constant and linkage is None and not is_all(chain, whole)
+            # what hangs on the loops may turn otherwise in each posture, though the drives do not
+            if transmission.constant and linkage is None and not is_all(chain, whole):
+                model, whole = (replace(each, posture_dependent=True) for each in (model, whole))
+            if model.posture_dependent:
+                limits = _reached(replace(whole, closed_chain=cut), chain, kept, tell)
+                narrowed = replace(cut, limits=limits)
+                if narrowed != cut:  # a start posture outside the limits is none
+                    narrowed, chain = _begun(narrowed)
+                    matrix = chain.jacobian(chain.start[1])
+                    written = replace(narrowed, file=kept_file.resolve())
+                    model = replace(model, transmission=matrix, closed_chain=written)
+                    mjcf = serial_mjcf(narrowed, target.stem)
     if linkage is not None:
         model = replace(model, linkage=linkage)
-    if lacks:  # what hangs on the loops turns otherwise in each posture, though the drives do not
-        model = replace(model, posture_dependent=True)
     write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
 
 
-def _begun(mechanism: Mechanism, chain: ClosedChain) -> Mechanism:
-    """The mechanism with the posture that it was assembled in as its start, where that is far from the
-    stated one.
+def _reached(
+    model: Model, chain: ClosedChain, kept: Sequence[str], tell: Callable[[str], object]
+) -> tuple[tuple[float, float], ...]:
+    """Limits of the serial joints in which the mechanism can be used, else its own."""
+    own = chain.mechanism.limits
+    start = chain.start[1] if not own else np.zeros(0)
+    limits = own or tuple((round(float(x) - _AROUND, 3), round(float(x) + _AROUND, 3)) for x in start)
+    try:
+        found = reach(replace(model, closed_chain=replace(chain.mechanism, limits=limits)), kept)
+    except InputError:
+        return own  # check says what is wrong with them
+    if not own and model.size > MOST_DRIVES:
+        return own
+    limits = tuple((float(low), float(high)) for low, high in found.box)
+    if not own or found.left_out:
+        pairs = zip(model.joints, limits, strict=True)
+        said = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in pairs)
+        left = f"left out of the file's: {'; '.join(found.left_out)}"
+        tell(f"{said}; {left if own else 'the file states none, these are about the start posture'}")
+    return limits
 
-    Whoever closes the loops next begins there, and finds the same way to put it together.
+
+def _begun(mechanism: Mechanism) -> tuple[Mechanism, ClosedChain]:
+    """The mechanism with the posture that it is assembled in as its start, where that is far from the stated
+    one, and its closed chain.
+
+    Whoever closes the loops next begins there, and finds the same way to put it together. What a model's file
+    says is of the posture that it says, digit by digit.
     """
+    chain = ClosedChain(mechanism)
     stated = dict(mechanism.start)
     found = chain.tree_position(chain.start[0])
     named = dict(zip(chain.coordinates, map(float, found), strict=True))
     if all(abs(value - stated.get(name, 0.0)) < _STRAYED for name, value in named.items()):
-        return mechanism
-    return replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
+        return mechanism, chain
+    begun = replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
+    return begun, ClosedChain(begun)
 
 
 def _check_written(file: Path, source: Path, force: bool) -> None:

@@ -20,6 +20,7 @@ from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.closure import DEAD, Closure
 
 from .assembly import assemble
+from .closing import moving_with
 from .reduced import Margin, Reduced
 from .tree import Tree
 
@@ -48,8 +49,9 @@ class ClosedChain:
         drives = [self._tree.index(name, "drives") for name in mechanism.drives]
         self._joints = [self._tree.index(name, "joints") for name in mechanism.joints]
         start = assemble(self._tree, drives)
-        self._driven = Closure(self._tree, drives, start)
-        self._serial = Closure(self._tree, self._joints, start)
+        self._moving = moving_with(self._tree, [*drives, *self._joints])
+        self._driven = Closure(self._tree, drives, start, moving=self._moving)
+        self._serial = Closure(self._tree, self._joints, start, moving=self._moving)
         self._start = self._inside_limits(start)
         self._check_mass()
 
@@ -206,7 +208,7 @@ class ClosedChain:
             reached = start
         if np.abs(reached - middle).max() > _SAME:
             # a dead point of the drives lies between: they begin on the limits' side of it
-            self._driven, reached = Closure(self._tree, drives, middle), middle
+            self._driven, reached = Closure(self._tree, drives, middle, moving=self._moving), middle
         return reached
 
     def _project(self, closure: Closure, q: np.ndarray, v: np.ndarray) -> Reduced:

@@ -150,6 +150,16 @@ def _approached(tree: Tree, theta: np.ndarray, ease: np.ndarray, group: _Group) 
     return theta
 
 
+def moving_with(tree: Tree, coordinates: Sequence[int]) -> tuple[list[int], list[int]]:
+    """Rows of the gap and coordinates of all loops that move with some coordinates, these included."""
+    rows, columns = set[int](), set(coordinates)
+    for group in _groups(tree):
+        if columns.intersection(group.coordinates):
+            rows.update(group.rows)
+            columns.update(group.coordinates)
+    return sorted(rows), sorted(columns)
+
+
 def _of(tree: Tree, group: _Group | None) -> tuple[list[int], list[int]]:
     if group is not None:
         return group.rows, group.coordinates

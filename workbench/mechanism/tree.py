@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, UnitInertia
 
 from workbench.core import InputError, Mechanism, SimulationError
-from workbench.core.closure import BoundJoints
+from workbench.core.bound_joints import BoundJoints
 
 from .loops import find_frame, loop_pairs
 from .parse import finished, parse

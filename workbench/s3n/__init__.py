@@ -13,6 +13,7 @@ from .posture_error import posture_error
 from .posture_fitted import fit_native
 from .posture_schedule import Schedule
 from .posture_worlds import ScheduledWorld
+from .reach import Reach, reach
 from .runner import VariantRun, run_variant
 from .variants import VARIANT_NAMES, omissions, usual_variant, with_variant
 
@@ -24,6 +25,7 @@ __all__ = [
     "NormalisedTree",
     "PostureChain",
     "PostureDependent",
+    "Reach",
     "Schedule",
     "ScheduledWorld",
     "VariantRun",
@@ -37,6 +39,7 @@ __all__ = [
     "omissions",
     "on_drives",
     "posture_error",
+    "reach",
     "reduced",
     "run_variant",
     "usual_variant",

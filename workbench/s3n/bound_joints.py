@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 
 from workbench.core import Coupling, InputError, Mechanism
-from workbench.core.closure import BoundJoints
+from workbench.core.bound_joints import BoundJoints
 
 
 def couple(

@@ -8,6 +8,7 @@ and refused.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -91,6 +92,15 @@ class LoopClosure:
             raise SimulationError(f"model '{self.model.name}': {why} at {say(self.model, q)}")
         return posture
 
+    @property
+    def start(self) -> ClosedPosture:
+        """The closed posture from which all others are reached."""
+        return self._closure.at(self._begun)
+
+    def along(self, origin: ClosedPosture, q: np.ndarray) -> ClosedPosture | None:
+        """The closed posture at serial positions `q` (n,), straight from `origin`; None where that fails."""
+        return self._closure.along(origin, q)
+
     def gamma(self, posture: Posture, rates: np.ndarray) -> np.ndarray:
         """Acceleration of the tree (N,) at a posture and rates (N,) and no acceleration of the joints."""
         self.data.qvel[:] = rates
@@ -103,19 +113,21 @@ class LoopClosure:
         mujoco.mj_kinematics(self.m, self.data)
         mujoco.mj_comPos(self.m, self.data)
 
-    def gap(self) -> np.ndarray:
-        """Return the gaps of m loops [m], then the errors of k couplings, (3 m + k,)."""
+    def gap(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """Return gaps of m loops [m], then errors of k couplings, (3 m + k,); with `rows` those alone."""
         at = self.data.site_xpos
-        return np.concatenate([*(at[a] - at[b] for a, b in self._loops), self._bound.gap(self.data.qpos)])
+        out = np.concatenate([*(at[a] - at[b] for a, b in self._loops), self._bound.gap(self.data.qpos)])
+        return out if rows is None else out[list(rows)]
 
-    def gap_jacobian(self) -> np.ndarray:
-        """d gap / d theta (3 m + k, N)."""
-        rows = []
+    def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """d gap / d theta (3 m + k, N); with `rows` those alone."""
+        parts = []
         for pair in self._loops:
             for matrix, site in zip(self._jacobians, pair, strict=True):
                 mujoco.mj_jacSite(self.m, self.data, matrix, None, site)
-            rows.append(self._jacobians[0] - self._jacobians[1])
-        return np.concatenate([*rows, self._bound.jacobian(self.data.qpos)])
+            parts.append(self._jacobians[0] - self._jacobians[1])
+        out = np.concatenate([*parts, self._bound.jacobian(self.data.qpos)])
+        return out if rows is None else out[list(rows)]
 
     def gap_bias(self) -> np.ndarray:
         """Second derivative of the gap at zero acceleration of the tree (3 m + k,)."""
@@ -140,6 +152,7 @@ class LoopClosure:
                 column="closed_chain.start", remedy="give the joints' angles near a closed posture",
             )  # fmt: skip
         closure = Closure(self, self.serial, theta, through=False)
+        self._begun = theta[self.serial]
         why, posture = self._regular(closure.at(theta[self.serial]))
         if posture is None:
             raise InputError(

@@ -23,6 +23,7 @@ from .plants import ClosedChainPlant, Plant, TrainedPlant
 from .robot import IDEAL, Robot
 from .rollout import PolicyPilot, run
 from .task import Task
+from .tried import called
 
 
 @dataclass(frozen=True)
@@ -89,9 +90,11 @@ def evaluate(
         PolicyPilot(Policy(bundle), task, machine), machine, plant, seconds, seed,
         command=_command(task, seed, machine), goal=task.goal, sensors=sensors, robot=robot, tell=tell,
     )  # fmt: skip
-    name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
+    variant = bundle.variant if machine.map is None else "fitted"
+    name = f"{task.name}_{variant}_{'hardware' if hardware else 'simulation'}"
     stepped = machine.floating and not hardware and law is None
-    return Evaluation(log.recording(name, machine, stepped), task.scores(log), log.fell_s)
+    scores = called("scores", task_file, task.scores, log) if task_file else task.scores(log)
+    return Evaluation(log.recording(name, machine, stepped), scores, log.fell_s)
 
 
 def _command(task: Task, seed: int, machine: Machine) -> np.ndarray:

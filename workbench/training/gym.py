@@ -1,10 +1,11 @@
 """The worlds of a task as a Gymnasium vector environment, for your own learning algorithm.
 
-    env = gymnasium.make_vec("workbench/reach-v0", num_envs=256)          # a shipped task, the reference leg
-    env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)   # one's own
+    env = gymnasium.make_vec("workbench.training.gym:workbench/reach-v0", num_envs=256)   # a shipped task
+    env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)                   # one's own
 
 It is the simulation that `train` learns in: the same observations, noise, rewards and draws. Gymnasium is
-not a dependency; where it is installed, its entry point registers the tasks.
+not a dependency; where it is installed, this module registers the tasks as it is imported, which
+``workbench.training.gym:`` before a name makes Gymnasium do.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from .randomisation import Randomisation, world_fields
 from .task import Task
 from .task_file import load_task, posed
 from .tasks import TASKS
+from .tried import try_task
 from .worlds import BatchWorlds
 
 if TYPE_CHECKING:
@@ -133,15 +135,22 @@ def vector_environment(
         )
     wanted = TASKS[task] if task in TASKS else load_task(Path(task))
     machine = posed(wanted, make_machine(wanted.machine, load_model(model), variant))
+    if wanted.suffix == ".py":
+        try_task(wanted, machine, Path(task))
     return WorkbenchVectorEnv(wanted, machine, num_envs, seed)
 
 
 def register() -> None:
-    """Register the shipped tasks in Gymnasium as ``workbench/TASK-v0``; its entry point calls this."""
-    import gymnasium  # pyright: ignore[reportMissingImports]
-
+    """Register the shipped tasks in Gymnasium as ``workbench/TASK-v0``; do nothing where it is missing."""
+    try:
+        import gymnasium  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        return
     for name in TASKS:
         gymnasium.register(
             f"workbench/{name}-v0", vector_entry_point="workbench.training.gym:vector_environment",
             kwargs={"task": name},
         )  # fmt: skip
+
+
+register()

@@ -17,7 +17,7 @@ from workbench.core import DriveMap, InputError
 from workbench.models import Model, load_tree
 from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
-from workbench.s3n.posture_fitted import left_out
+from workbench.s3n.posture_fitted import ALLOWED, left_out
 
 from .contact import ContactLaw
 from .floor import lay_floor
@@ -208,7 +208,15 @@ def _fitted(model: Model) -> tuple[str, DriveMap]:
     chain = PostureDependent(model)
     found = drive_map(model, chain)
     assert found is not None
-    return fit_native(model, chain=chain).xml, found
+    fitted = fit_native(model, allow=None, chain=chain)
+    if not fitted.error.inertia_max <= ALLOWED:
+        raise InputError(
+            f"in the tree that it would train in the inertia of '{model.name}' is off by up to "
+            f"{fitted.error.inertia_max:.1%} (at {fitted.error.inertia_at}), and {ALLOWED:.0%} are allowed",
+            file=model.source, column="closed_chain.limits",
+            remedy="narrow the limits to postures farther from that",
+        )  # fmt: skip
+    return fitted.xml, found
 
 
 def _posture(model: Model) -> np.ndarray:

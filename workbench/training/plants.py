@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -22,6 +23,7 @@ from .robot import IDEAL, Robot
 from .situation import base_state
 
 _SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
+_LIMB_PIECES = 12  # of a control step in the simulation of a limb: 0.25 ms, as of its hardware
 _FALL = 0.005  # m that the quadruped is let down from
 
 
@@ -164,6 +166,9 @@ def _sides(machine: Machine, robot: Robot) -> list[DriveSide]:
 class TrainedPlant:
     """The serial machine of the training, without randomisation.
 
+    A limb on its stand moves in fine steps between two control steps. In training it takes one, with which
+    it answers half a step late: a recording shows that, and would be held against the model for it.
+
     Args:
         machine: the machine.
         law: of its contacts and steps, in place of the machine's own.
@@ -173,6 +178,9 @@ class TrainedPlant:
     def __init__(self, machine: Machine, law: ContactLaw | None = None, payload: float = 0.0) -> None:
         self._machine, m = machine, machine.mujoco
         feet = [f"{leg}_sphere" for leg in LEGS] if machine.floating else []
+        if not machine.floating:
+            m = copy.copy(m)
+            m.opt.timestep = STEP_S / _LIMB_PIECES
         if law is not None:
             m = law.applied(m, feet)
         if payload:

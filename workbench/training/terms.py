@@ -26,7 +26,7 @@ class Reward:
     @property
     def about(self) -> str:
         """Return what it measures, in a sentence."""
-        return (self.function.__doc__ or "").splitlines()[0]
+        return _first_line(self.function)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,12 @@ class Observation:
     @property
     def about(self) -> str:
         """Return what it is, with its unit, in a sentence."""
-        return (self.function.__doc__ or "").splitlines()[0]
+        return _first_line(self.function)
+
+
+def _first_line(function: Callable[..., object]) -> str:
+    """Return the first line of its docstring; empty where there is none."""
+    return next(iter((function.__doc__ or "").strip().splitlines()), "")
 
 
 def _sum2(s: Situation, x: Array) -> Array:

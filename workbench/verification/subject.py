@@ -12,7 +12,7 @@ from workbench.effects import Plant, compile_plant
 from workbench.effects.structure import is_parallelogram
 from workbench.mechanism import ClosedChain, Reduced
 from workbench.models import VARIANTS, Model, load_mjcf
-from workbench.s3n import with_variant
+from workbench.s3n import reach, with_variant
 from workbench.serial_tree import SerialTree
 
 from .states import States, random_states
@@ -31,6 +31,7 @@ class Subject:
         left_out: effects that were taken out.
         tolerance: largest relative difference between what identification gave and the closed chain.
         unreached: number of states that were drawn too, and that the closed chain cannot be in.
+        beyond: parts of the limits that are not checked, and why; none of the states is there.
     """
 
     model: Model
@@ -39,6 +40,7 @@ class Subject:
     left_out: tuple[str, ...]
     tolerance: float
     unreached: int = 0
+    beyond: tuple[str, ...] = ()
 
     @staticmethod
     def of(model: Model, samples: int, seed: int, tolerance: float) -> Subject:
@@ -55,11 +57,12 @@ class Subject:
                 f"the closed chain has {chain.size} drives and the model {model.size} axes",
                 file=model.source, column="closed_chain.drives", remedy="name one drive per axis",
             )  # fmt: skip
+        model, beyond = _within_reach(model)
         middle = np.zeros(model.size) if chain is None else chain.start[1]
         drawn = random_states(model, samples, seed, middle)
         states = _reachable(chain, drawn)
         unreached = len(drawn) - len(states)
-        return Subject(replace(model, effects=inside), states, chain, out, tolerance, unreached)
+        return Subject(replace(model, effects=inside), states, chain, out, tolerance, unreached, beyond)
 
     @cached_property
     def tree(self) -> SerialTree:
@@ -85,6 +88,17 @@ class Subject:
         names = {site.name for site in load_mjcf(self.model.serial).sites}
         wanted = (self.model.payload_site, self.model.closed_chain.foot if self.model.closed_chain else None)
         return next((name for name in wanted if name in names), None)
+
+
+def _within_reach(model: Model) -> tuple[Model, tuple[str, ...]]:
+    """The model with limits that its closed chain can be used in, and what of its own is left out."""
+    if model.closed_chain is None or not model.closed_chain.limits or not model.posture_dependent:
+        return model, ()
+    try:
+        found = reach(model)
+    except InputError:
+        return model, ()  # said where the terms are compared
+    return found.of(model), found.left_out
 
 
 def _reachable(chain: ClosedChain | None, states: States) -> States:

@@ -39,6 +39,7 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         skipped.append(
             f"{', '.join(subject.left_out)}: effects outside the structure of S3N are not checked here"
         )
+    skipped += subject.beyond
     if subject.unreached:
         left = f"{subject.unreached} of {samples} random states within the limits"
         skipped.append(f"{left}: the closed chain cannot reach them")
