@@ -1,0 +1,43 @@
+"""A law that is in no catalogue is followed by laws that are, with numbers that no machine has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import FAST, SLOW, bench_arm, logged
+from tests.diagnosis.rig import asked
+from workbench.core import EffectKey
+from workbench.diagnosis.adequacy.imitations import imitations
+from workbench.diagnosis.moves.joint_fit import certain_of, fit_of_selection
+from workbench.diagnosis.screening.selection import selection_of
+from workbench.effects import load_model
+
+DAMPING, DRAG = EffectKey("viscous_damping", "lift"), EffectKey("quadratic_drag", "lift")
+
+
+def cubic(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Friction that grows with the cube of speed, which the catalogue does not have."""
+    return np.array([0.0, -1.5 * speed[1] ** 3, 0.0])
+
+
+def quadratic(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Quadratic drag, and half of the damping that the model states."""
+    return np.array([0.0, -1.5 * speed[1] * abs(speed[1]) + 0.4 * speed[1], 0.0])
+
+
+@pytest.mark.parametrize(("resisting", "told"), [(cubic, {DAMPING, DRAG}), (quadratic, set())])
+def test_less_than_nothing_of_one_law_is_the_curve_of_another(tmp_path: Path, resisting, told) -> None:
+    machine = bench_arm(tmp_path)
+    logs = [logged(machine, t, seconds=5.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
+    problem = asked(load_model(machine), logs)
+    assert problem.inverse_dynamics is not None
+    data, start, regression = problem.inverse_dynamics
+    chosen = selection_of(tuple(e for e in regression.entries if e.key in {DAMPING, DRAG}), regression)
+    found = fit_of_selection(regression, chosen, start, data)
+    assert found is not None and found.hypothesis.keys == {DAMPING, DRAG}
+    assert imitations(regression, chosen.chosen, found.hypothesis.free) == told
+    certain = certain_of(regression, start, data)
+    assert certain is not None and (not told or not certain.known.keys() & told)

@@ -1,0 +1,55 @@
+"""Effects that follow the curve of another law: the data want less than nothing of one of them.
+
+Friction that grows with the cube of speed is followed a long way by quadratic drag with less damping. Where
+the model has not so much damping to be taken off, no machine has these numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey, Estimate
+from workbench.effects import effect_named, kinds
+from workbench.models import AppliedEffect
+
+from ..policy import POLICY
+from ..screening.equations import Entry
+from ..screening.torque_regression import Chosen, Regression
+
+
+def imitations(
+    regression: Regression, chosen: Chosen, found: Sequence[AppliedEffect]
+) -> frozenset[EffectKey]:
+    """Return effects that the data want clearly beyond a physical bound, and those of the same quantities.
+
+    Args:
+        regression: from which they were selected.
+        chosen: what was selected.
+        found: of it what was fitted, with the deviations of its numbers.
+    """
+    fitted = {a.key: a.parameters for a in found}
+    here = tuple(e for e in chosen if e.key in fitted)
+    beyond = [e.key for e in here if _wants_more(e, here, regression, fitted[e.key])]
+    return frozenset(k for k in fitted if any(_of_one_law(k, other) for other in beyond))
+
+
+def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:
+    """Return whether an effect, solved beside the others without its bounds, goes clearly beyond them."""
+    low, high = regression.limits[entry]
+    unbounded = {**regression.limits, entry: (np.full(len(low), -np.inf), np.full(len(low), np.inf))}
+    free = replace(regression, limits=unbounded).solved(chosen).coefficients
+    start = sum(len(e.linear) for e in chosen[: chosen.index(entry)])
+    unknowns = effect_named(entry.key.effect).parameters.linear_of(entry.shape)
+    doubts = [POLICY.significant * fitted[u.name].std if u.name in fitted else np.inf for u in unknowns]
+    own = free[start : start + len(low)]
+    return bool(((own < low - doubts) | (own > high + doubts)).any())
+
+
+def _of_one_law(key: EffectKey, other: EffectKey) -> bool:
+    """Return whether two effects are one, or torques of the same quantities in one place."""
+    own, its = (kinds.depends_on(effect_named(k.effect)) for k in (key, other))
+    beside = (key.axis, key.location) == (other.axis, other.location)
+    return key == other or (beside and bool(own) and own == its)
