@@ -85,10 +85,23 @@ _ACROSS = Parameter(
     about="a quarter turn about the axis from it",
     example=0.0,
 )
+
+
+def _lighter(model: Model, place: Place) -> tuple[float, float]:
+    """Return by how much the mass may change."""
+    return -(1.0 - _LEAST) * _mass(model, place), INF
+
+
+def _slimmer(model: Model, place: Place) -> tuple[float, float]:
+    """Return by how much the inertia may change."""
+    return -(1.0 - _LEAST) * own_inertia(_now(model, place)), INF
+
+
 _MASS = Parameter(
     "mass",
     "kg",
     lower=-INF,
+    within=_lighter,
     about="added to the link's; may be left out: the mass stays, the centre moves",
     optional=True,
 )
@@ -96,6 +109,7 @@ _INERTIA = Parameter(
     "inertia",
     "kg*m^2",
     lower=-INF,
+    within=_slimmer,
     about="added to the link's about its centre, along its axis; about others in proportion; may be left out",
     optional=True,
 )
@@ -154,7 +168,7 @@ class FirstMomentError(Effect):
             (_ALONG, _ACROSS),
             _values,
             _solved,
-            special={"lever": (Unknown("mass", within=lambda m, p: (-(1.0 - _LEAST) * _mass(m, p), INF)),)},
+            special={"lever": (Unknown("mass", within=_lighter),)},
         ),
         starts=_forms,
     )

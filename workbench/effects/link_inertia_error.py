@@ -44,6 +44,7 @@ _INERTIA = Parameter(
 _PROPORTION = Parameter(
     "proportion",
     "1",
+    upper=1.0,
     about="of this in the inertia about the other axes: 1: all in the same proportion; may be left out: none",
     optional=True,
 )
