@@ -7,7 +7,6 @@ the model has not so much damping to be taken off, no machine has these numbers.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -39,8 +38,7 @@ def imitations(
 def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:
     """Return whether an effect, solved beside the others without its bounds, goes clearly beyond them."""
     low, high = regression.limits[entry]
-    unbounded = {**regression.limits, entry: (np.full(len(low), -np.inf), np.full(len(low), np.inf))}
-    free = replace(regression, limits=unbounded).solved(chosen).coefficients
+    free = regression.without_bounds(entry).solved(chosen).coefficients
     start = sum(len(e.linear) for e in chosen[: chosen.index(entry)])
     unknowns = effect_named(entry.key.effect).parameters.linear_of(entry.shape)
     doubts = [POLICY.significant * fitted[u.name].std if u.name in fitted else np.inf for u in unknowns]

@@ -111,6 +111,15 @@ class Regression:
         motions, others = self.linearisation.motions, [e.shape for e in kin]
         return [e for e in self._copies[key] if repeats(motions, place, e.shape, others)]
 
+    def without_bounds(self, entry: Entry) -> Regression:
+        """Return the regression in which the coefficients of one effect may be anything."""
+        low, high = self.limits[entry]
+        free = np.full(len(low), -np.inf), np.full(len(high), np.inf)
+        out = replace(self, limits={**self.limits, entry: free})
+        out._acts.update(self._acts)
+        out._copies.update(self._copies)
+        return out
+
     def _limits(self, chosen: Sequence[Entry]) -> tuple[np.ndarray, np.ndarray]:
         limits = [(np.zeros(0), np.zeros(0)), *(self.limits[e] for e in chosen)]
         return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
