@@ -41,3 +41,15 @@ def test_less_than_nothing_of_one_law_is_the_curve_of_another(tmp_path: Path, re
     assert imitations(regression, chosen.chosen, found.hypothesis.free) == told
     certain = certain_of(regression, start, data)
     assert certain is not None and (not told or not certain.known.keys() & told)
+
+
+def test_one_more_harmonic_is_solved_without_its_bounds(tmp_path: Path) -> None:
+    """An effect that repeats is in no list of those that a place may have once."""
+    machine = bench_arm(tmp_path)
+    problem = asked(load_model(machine), [logged(machine, SLOW, seconds=5.0)])
+    assert problem.inverse_dynamics is not None
+    regression = problem.inverse_dynamics[2]
+    first = next(e for e in regression.entries if str(e.key) == "cogging@lift")
+    second = regression.copies([first])[0]
+    free = regression.without_bounds(second).solved((first, second)).coefficients
+    np.testing.assert_allclose(free, regression.solved((first, second)).coefficients)
