@@ -16,7 +16,7 @@ from ..adequacy.strangers import without_strangers
 from ..data import Data, gather_along
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
-from ..hypothesis import Fit
+from ..hypothesis import Fit, Hypothesis
 from ..node import is_consistent
 from ..policy import POLICY
 from ..problem import evaluated, starting_fit
@@ -25,7 +25,7 @@ from ..screening.selection import Selection
 from ..screening.stepwise_regression import selected
 from ..screening.torque_columns import regression_of
 from ..screening.torque_regression import Regression
-from ..significance import INTERVAL, is_significant, significance, told_by_motion
+from ..significance import is_significant, significance, told_by_motion
 
 _BACKFITS = 2  # of the unknown and the certain in turns; a third changes less than the noise does
 
@@ -115,18 +115,19 @@ def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> 
 
     Without the others they would stand for a part of these.
     """
-    free = [_with_spread(a, sure) for a in whole.hypothesis.free if a.key in sure]
-    # a part of a law that is certain as a whole may itself be none
-    clear = tuple(a for a in free if is_significant(a, INTERVAL))
-    if not clear:
-        return None
-    hypothesis = replace(whole.hypothesis, free=clear)
-    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
+    free = tuple(_with_spread(a, sure) for a in whole.hypothesis.free if a.key in sure)
+    return _clear_of(replace(whole.hypothesis, free=free), data)
+
+
+def _clear_of(hypothesis: Hypothesis, data: Data) -> Fit | None:
+    """Return what is significant of a hypothesis: a part of a law that is certain as a whole may be none."""
+    clear = replace(hypothesis, free=tuple(a for a in hypothesis.free if is_significant(a)))
+    return evaluated(clear, data.run([clear.model])[0], data) if clear.free else None
 
 
 def beside_strangers(
     whole: Fit, named: Fit, sure: Mapping[EffectKey, Adequacy], start: Fit, data: Data, seed: int
-) -> Fit:
+) -> Fit | None:
     """Return the certain effects, with values fitted after the part that no effect explains was removed.
 
     A tone that no effect explains leaves no room for the damping of its axis, and Coulomb friction takes that
@@ -154,8 +155,8 @@ def beside_strangers(
     if found is whole:
         return named
     now = {a.key: _with_spread(a, sure) for a in found.hypothesis.free if a.key in sure}
-    hypothesis = replace(named.hypothesis, free=tuple(now.get(a.key, a) for a in named.hypothesis.free))
-    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
+    free = tuple(now.get(a.key, a) for a in named.hypothesis.free)
+    return _clear_of(replace(named.hypothesis, free=free), data)
 
 
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
