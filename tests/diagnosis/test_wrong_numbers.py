@@ -138,10 +138,3 @@ def test_the_mass_of_the_first_link_is_one_number(tmp_path: Path) -> None:
     assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "yaw")
     assert (finding.number, finding.model_value) == ("mass", 5.0)
     assert finding.total is not None and finding.total.value == pytest.approx(3.0, rel=0.02)
-
-
-def test_all_inertia_of_a_link_is_one_number(tmp_path: Path) -> None:
-    """Two rotors would do nearly the same: the link's own and that of the axis which swings it."""
-    (finding,) = told(tmp_path, fore_inertia=0.08, fore_roll=0.035).findings
-    assert (finding.key.effect, finding.key.axis) == ("link_inertia_error", "bend")
-    assert finding.total is not None and finding.total.value == pytest.approx(0.032, rel=0.05)

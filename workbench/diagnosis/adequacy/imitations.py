@@ -22,7 +22,9 @@ from ..screening.torque_regression import Chosen, Regression
 def imitations(
     regression: Regression, chosen: Chosen, found: Sequence[AppliedEffect]
 ) -> frozenset[EffectKey]:
-    """Return effects that the data want clearly beyond a physical bound, and those of the same quantities.
+    """Return effects of the same quantities of which the data want one clearly beyond a physical bound.
+
+    One that is alone there is as large as it can be, and imitates nothing.
 
     Args:
         regression: from which they were selected.
@@ -31,8 +33,13 @@ def imitations(
     """
     fitted = {a.key: a.parameters for a in found}
     here = tuple(e for e in chosen if e.key in fitted)
-    beyond = [e.key for e in here if _wants_more(e, here, regression, fitted[e.key])]
-    return frozenset(k for k in fitted if any(_of_one_law(k, other) for other in beyond))
+    laws = [[e for e in here if _of_one_law(e.key, first.key)] for first in here]
+    return frozenset(
+        e.key
+        for law in laws
+        if len(law) > 1 and any(_wants_more(each, here, regression, fitted[each.key]) for each in law)
+        for e in law
+    )
 
 
 def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:

@@ -162,8 +162,8 @@ def beside_strangers(
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
     """Return an effect with deviations that cover how its size changes beside free functions."""
     spread = POLICY.rival_deviation * sure[applied.key].spread
-    parameters = {  # what was not estimated has no deviation
-        name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value)))) if e.std > 0.0 else e
+    parameters = {
+        name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
         for name, e in applied.parameters.items()
     }
     return AppliedEffect(applied.key, parameters)
