@@ -227,7 +227,7 @@ def test_a_stiff_spring_is_none(soft: HiddenEffect, stiff: HiddenEffect) -> None
 def test_what_the_rig_has_no_room_for_is_refused() -> None:
     with pytest.raises(SimulationError, match="room for one spring or gap"):
         VirtualLeg([DRIVE, PLAY])
-    with pytest.raises(SimulationError, match="room for one stand"):
+    with pytest.raises(SimulationError, match="room for one compliant stand"):
         VirtualLeg([BASE, BASE])
     with pytest.raises(SimulationError, match="too fast to follow"):
         VirtualLeg([HiddenEffect("backlash", "hip", parameters={"gap": 0.01, "stiffness": 1e12})])
