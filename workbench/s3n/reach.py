@@ -121,7 +121,7 @@ class _Growth:
         """Why some posture on a face cannot be used; empty where all can."""
         count = _FACE[len(box)]
         ends = [
-            [box[i, side]] if i == axis else np.linspace(*box[i], count if np.ptp(box[i]) else 1)
+            [box[i, side]] if i == axis else np.linspace(box[i, 0], box[i, 1], count if np.ptp(box[i]) else 1)
             for i in range(len(box))
         ]
         whys = (self._why(self._loops.along(self._origin, np.array(q))) for q in product(*ends))
