@@ -94,7 +94,8 @@ def _lighter(model: Model, place: Place) -> tuple[float, float]:
 
 def _slimmer(model: Model, place: Place) -> tuple[float, float]:
     """Return by how much the inertia may change."""
-    return -(1.0 - _LEAST) * own_inertia(_now(model, place)), INF
+    link = _now(model, place)
+    return -(1.0 - _LEAST) * own_inertia(link.inertial, link), INF
 
 
 _MASS = Parameter(
@@ -147,7 +148,7 @@ def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
     heavier = {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
     if link.slides:
         return (heavier,)
-    return {}, heavier, heavier | {"gyration": own_inertia(link) / link.inertial.mass}
+    return {}, heavier, heavier | {"gyration": own_inertia(link.inertial, link) / link.inertial.mass}
 
 
 class FirstMomentError(Effect):

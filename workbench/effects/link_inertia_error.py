@@ -23,7 +23,8 @@ _LEAST = 0.05  # of the model's, that any body of its size keeps
 
 def _own(model: Model, place: Placement) -> float:
     """Return what the file states plus what was added."""
-    return own_inertia(link_at(model, place)) + added("link_inertia_error", "inertia", model, place)
+    link = link_at(model, place)
+    return own_inertia(link.inertial, link) + added("link_inertia_error", "inertia", model, place)
 
 
 def _most_less(model: Model, place: Placement) -> float:

@@ -87,14 +87,14 @@ def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
     return replace(inertial, centre=inertial.centre + moment / inertial.mass)
 
 
-def own_inertia(link: Link) -> float:
-    """Return a link's inertia about the parallel to its axis through its centre of mass [kg m^2]."""
-    return float(link.axis @ link.inertial.tensor @ link.axis)
+def own_inertia(inertial: Inertial, link: Link) -> float:
+    """Return an inertia about the parallel to a link's axis through its own centre of mass [kg m^2]."""
+    return float(link.axis @ inertial.tensor @ link.axis)
 
 
 def in_proportion(inertial: Inertial, link: Link, more: float) -> np.ndarray:
     """Return the inertia (3, 3) with `more` [kg m^2] about the link's axis, and others in proportion."""
-    own = float(link.axis @ inertial.tensor @ link.axis)
+    own = own_inertia(inertial, link)
     if own > _NO_TURN:
         return inertial.tensor * (1.0 + more / own)
     return inertial.tensor + more * np.outer(link.axis, link.axis)

@@ -45,11 +45,14 @@ def imitations(
 def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:
     """Return whether an effect, solved beside the others without its bounds, goes clearly beyond them."""
     low, high = regression.limits[entry]
-    free = regression.without_bounds(entry).solved(chosen).coefficients
     start = sum(len(e.linear) for e in chosen[: chosen.index(entry)])
+    place = slice(start, start + len(low))
+    bounded = regression.solved(chosen).coefficients[place]
+    if ((low < bounded) & (bounded < high)).all():
+        return False  # a bound that holds nothing back changes nothing
+    own = regression.without_bounds(entry).solved(chosen).coefficients[place]
     unknowns = effect_named(entry.key.effect).parameters.linear_of(entry.shape)
     doubts = [POLICY.significant * fitted[u.name].std if u.name in fitted else np.inf for u in unknowns]
-    own = free[start : start + len(low)]
     return bool(((own < low - doubts) | (own > high + doubts)).any())
 
 
