@@ -138,11 +138,11 @@ def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
     """A centre elsewhere; more mass where it is, if that shows; and the same with more inertia.
 
     A mass that was typed wrong leaves the inertia as it is; one that was computed from the wrong density, or
-    from the wrong size, takes the inertia with it. Of what slides the mass alone.
+    from the wrong size, takes the inertia with it. Of what slides the mass alone. Where no torque is known,
+    a motion shows only what things are to one another, and a mass would set the measure of all of it.
     """
-    del motions
     link = _now(model, place)
-    if not link.mass_alone:
+    if not link.mass_alone or not any(np.any(m.torque) for m in motions):
         return ({},)
     lever = _lever(link.inertial, link)
     heavier = {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
