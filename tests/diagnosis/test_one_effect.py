@@ -21,7 +21,7 @@ def test_a_gap_that_was_chosen_has_its_size() -> None:
     assert gap.values["gap"] == pytest.approx(0.014, rel=0.01)
     assert gap.values["stiffness"] == pytest.approx(350.0, rel=0.03)
     assert model.effects == (*LEG.effects, gap)
-    assert said[-1] == "trying sizes of backlash@hip"
+    assert said[-1] == "trying sizes of backlash on the hip drive"
 
 
 def test_a_choice_that_is_not_the_cause_is_fitted_all_the_same() -> None:

@@ -57,6 +57,8 @@ def test_a_bold_start_grows_no_further_from_where_another_has_been() -> None:
     wrong = node_with(problem, applied(LEG, DAMPING, damping=0.1), growth=Growth(), bold=True)
     first = grown(wrong, problem)
     assert FRICTION in first.keys and any("screening" in text for text in told)
+    assert "found Coulomb friction on the knee drive; simulating the noise" in told
+    assert not [text for text in told if "@" in text or "_" in text], "in words, as verdicts are"
     told.clear()
     again = grown(wrong, problem)
     assert again.keys == wrong.keys and not told

@@ -78,6 +78,19 @@ def test_names_in_tables_and_the_list_of_pages_are_whole(site: Path, tmp_path: P
         assert chrome.ask(f"{_FOOT}.getBoundingClientRect().top") >= 900, "it would cover the list of pages"
 
 
+def test_mermaid_blocks_are_drawings_in_the_colours_of_the_page(site: Path) -> None:
+    pages = [p for p in (ROOT / "docs").rglob("*.md") if "```mermaid" in p.read_text()]
+    assert pages
+    for page in pages:
+        built = (site / page.relative_to(ROOT / "docs").with_suffix(".html")).read_text()
+        drawings = re.findall(r'<div class="diagram"><svg.*?</svg></div>', built, re.DOTALL)
+        assert len(drawings) == page.read_text().count("```mermaid") and "flowchart TD" not in built
+        for svg in drawings:
+            assert "var(--md-default-fg-color)" in svg and "<foreignObject" not in svg
+    used = {svg for page in site.rglob("*.html") for svg in re.findall(r'<svg id="(d\w+)"', page.read_text())}
+    assert used == {p.stem for p in (ROOT / "docs/images/diagrams").iterdir()}, "a drawing of no block"
+
+
 def test_nothing_is_fetched(site: Path) -> None:
     loads = re.compile(
         r"""<(?:script|img|iframe)[^>]+src=["'](https?:)?//|<link[^>]+href=["'](https?:)?//[^>]+stylesheet"""

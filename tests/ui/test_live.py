@@ -78,9 +78,9 @@ def test_an_effect_that_is_fitted_is_named_as_the_page_names_it(
     key = EffectKey("torque_saturation", "knee")
     live.fit(key)
     assert live.work == "starting to fit torque saturation on the knee drive"
-    tell[0]("progress", f"fitting {key}")
+    tell[0]("progress", "fitting torque saturation on the knee drive")
     loop.until(lambda: live.work == "fitting torque saturation on the knee drive")
-    tell[0]("failed", f"{key} does not lower the error on these recordings")
+    tell[0]("failed", "torque saturation on the knee drive does not lower the error on these recordings")
     loop.until(lambda: live.message[1])
     assert live.message[0].startswith("Torque saturation on the knee drive does not lower the error")
 

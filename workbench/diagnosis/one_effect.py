@@ -8,6 +8,7 @@ from workbench.comparison import matched
 from workbench.core import EffectKey, InputError, Recording
 from workbench.effects import Compliance, effect_named, kinds
 from workbench.models import AppliedEffect, Model
+from workbench.report.wording import effect_phrase
 from workbench.s3n import off_drives, on_drives
 
 from .data import gather
@@ -50,7 +51,7 @@ def fit_effect(
     data, simulated = gather(model, recordings, (), seed)
     start = starting_fit(model, data, simulated.clean)
     linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
-    progress(f"looking for values of {key} to start from")
+    progress(f"looking for values of {effect_phrase(key)} to start from")
     tried = (
         compliance_candidates(linearisation, start.test_loss)
         if isinstance(effect_named(key.effect), Compliance)
@@ -59,17 +60,17 @@ def fit_effect(
     candidate = next((c for c in tried if c.key == key), None)
     if candidate is None:
         raise InputError(
-            f"{key} does not lower the error on these recordings",
+            f"{effect_phrase(key)} does not lower the error on these recordings",
             remedy="choose another effect, or recordings in which it would show",
         )
     hypothesis = with_candidate(linearisation, candidate, start)
     if hypothesis.parameter_free:
         return hypothesis.parameter_free[-1], off_drives(hypothesis.model, given)
-    progress(f"fitting {key}")
+    progress(f"fitting {effect_phrase(key)}")
     found = fit([hypothesis], data)[0]
     if found is None:
-        raise InputError(f"the model does not run with {key}", remedy="choose another effect")
+        raise InputError(f"the model does not run with {effect_phrase(key)}", remedy="choose another effect")
     if kinds.diverges(effect_named(key.effect)):
-        progress(f"trying sizes of {key}")
+        progress(f"trying sizes of {effect_phrase(key)}")
     found = refined_on_grid(converged(found, data), data)
     return found.hypothesis.free[-1], off_drives(found.hypothesis.model, given)

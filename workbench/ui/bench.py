@@ -25,6 +25,7 @@ from workbench.core import (
 from workbench.effects import check_effect, with_settled
 from workbench.models import AppliedEffect, Model, write_model
 from workbench.recordings import source_files
+from workbench.report.wording import effect_phrase, parameter_name
 
 from .chosen import Chosen
 from .history import History
@@ -102,7 +103,7 @@ class Bench:
             InputError: it does not belong in this model.
         """
         checked = check_effect(self.model, applied)
-        self._history.change(f"adding {applied.key}", self.model.with_effect(checked))
+        self._history.change(f"adding {effect_phrase(applied.key)}", self.model.with_effect(checked))
 
     def add_finding(self, finding: Finding) -> None:
         """Add a finding, with the settings of the model that the diagnosis changed for it.
@@ -114,7 +115,7 @@ class Bench:
         told = self.told()
         if self.diagnosis is not None:
             model = with_settled(model, self.diagnosis.settled, [finding.key])
-        self.take(f"adding {finding.key}", model.with_effect(check_effect(model, applied)))
+        self.take(f"adding {effect_phrase(finding.key)}", model.with_effect(check_effect(model, applied)))
         if told is not None and finding in told.findings:
             self._grown.append((told, self.model))
 
@@ -134,7 +135,7 @@ class Bench:
         """Remove the effect at this place in the list of the model."""
         effects = self.model.effects
         kept = (*effects[:index], *effects[index + 1 :])
-        self._history.change(f"removing {effects[index].key}", replace(self.model, effects=kept))
+        self._history.change(f"removing {effect_phrase(effects[index].key)}", replace(self.model, effects=kept))
 
     def set_value(self, index: int, name: str, value: float) -> None:
         """Set a parameter of the effect at this place, within its physical bounds.
@@ -150,7 +151,7 @@ class Bench:
         changed = check_effect(others, AppliedEffect(applied.key, parameters))
         effects = (*model.effects[:index], changed, *model.effects[index + 1 :])
         self._history.change(
-            f"{name} of {applied.key}", replace(model, effects=effects), (index, applied.key, name)
+            f"{parameter_name(name)} of {effect_phrase(applied.key)}", replace(model, effects=effects), (index, applied.key, name)
         )
 
     def has(self, key: EffectKey) -> bool:

@@ -86,12 +86,9 @@ class Live(Following):
 
         def done(result: tuple[AppliedEffect, Model]) -> None:
             if self.bench.model is model:
-                self.do(lambda: self.bench.take(f"adding {key}", result[1]))
+                self.do(lambda: self.bench.take(f"adding {phrase}", result[1]))
 
-        def named(words: str) -> str:  # as the page names it everywhere
-            return words.replace(str(key), phrase)
-
-        self._work(f"starting to fit {phrase}", fit_effect, (model, chosen.split()[0], key), done, named)
+        self._work(f"starting to fit {phrase}", fit_effect, (model, chosen.split()[0], key), done)
 
     def stop(self) -> None:
         """Stop the present work at once."""
@@ -112,7 +109,6 @@ class Live(Following):
         work: Callable[..., Any],
         arguments: tuple[Any, ...],
         done: Callable[[Any], None],
-        worded: Callable[[str], str] = str,
     ) -> None:
         self.stop()
         self.work, self.began = first, time.monotonic()
@@ -123,7 +119,7 @@ class Live(Following):
             if self.work is None:
                 return
             if kind == "progress":
-                self.work = worded(content)
+                self.work = content
                 self.tell("work")
                 return
             self.work = None
@@ -131,7 +127,7 @@ class Live(Following):
             if kind == "done":
                 done(content)
             else:
-                self.say(capital(worded(content)), wrong=True)
+                self.say(capital(content), wrong=True)
 
         turn = object()
         self._turn = turn

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from workbench.effects import contains
+from workbench.report.wording import effect_phrase
 
 from ..acceptance import (
     explains_training,
@@ -48,7 +49,7 @@ def grown(node: Node, problem: Problem) -> Node:
         step = _next_step(node, how, problem)
         if step is None:
             break
-        problem.progress(f"found {step.added}; simulating the noise")
+        problem.progress(f"found {effect_phrase(step.added)}; simulating the noise")
         more = node.begun(move=node.move, growth=how, bold=node.bold)
         node = with_steps(more, (step,), problem.seed, wide=not how.through_divergence)
     return _settled(node, problem)

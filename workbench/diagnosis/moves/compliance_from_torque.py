@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effects import effect_named, kinds
+from workbench.report.wording import effect_phrase
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -48,7 +49,7 @@ def compliance_from_torque(
     if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
-    problem.progress(f"starting from {plain.key}, which the torque suggests")
+    problem.progress(f"starting from {effect_phrase(plain.key)}, which the torque suggests")
     chosen = [plain]
     if kinds.diverges(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start)

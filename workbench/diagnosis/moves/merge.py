@@ -8,6 +8,7 @@ from itertools import combinations, islice
 
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
+from workbench.report.wording import any_of, effect_phrases
 
 from ..fitting.delays import is_delay, one_delay_for_two
 from ..fitting.fit import fit
@@ -45,8 +46,8 @@ def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: 
     alike = one.key.effect == other.key.effect
     if not (delays or alike) and len(one.parameters) + len(other.parameters) < POLICY.merge_from:
         return None
-    kind = "delay" if delays else "cause"
-    problem.progress(f"testing whether one {kind} can replace {one.key} and {other.key}")
+    kind, two = "delay" if delays else "cause", any_of(effect_phrases([one.key, other.key]), "and")
+    problem.progress(f"testing whether one {kind} can replace {two}")
     without = current.hypothesis.without(one.key).without(other.key)
     rest = current if delays else fit([without], data, iterations=1)[0]
     if rest is None:

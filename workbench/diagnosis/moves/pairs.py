@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
+from workbench.report.wording import effect_phrase
 
 from ..acceptance import explains_most, improves_an_axis
 from ..data import Data
@@ -50,7 +51,8 @@ def best_pair(problem: Problem) -> tuple[AcceptedStep, ...]:
     pairs = _screened(linearisation, data, start)[: POLICY.pairs_simulated]
     if not pairs:
         return ()
-    problem.progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
+    told = [f"{effect_phrase(a.key)} with {effect_phrase(b.key)}" for a, b in pairs]
+    problem.progress(f"fitting {'; '.join(told)}")
     raced, _ = successive_halving([with_candidates(linearisation, p, start) for p in pairs], start, data)
     fits = [(pair, f) for pair, f in zip(pairs, raced, strict=True) if f is not None]
     for _, found in simplest_first(fits, data, POLICY.later_gain):

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.report.wording import effect_phrase
+
 from ..acceptance import halves_excess, near_noise_floor
 from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidate
@@ -50,7 +52,7 @@ def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
     ]
     if not keys or all(a.key != step.added for a in current.hypothesis.free):
         return ()
-    problem.progress(f"trying other causes in place of {step.added}")
+    problem.progress(f"trying other causes in place of {effect_phrase(step.added)}")
     (rest,) = fit([current.hypothesis.without(step.added)], data, iterations=1)
     if rest is None:
         return ()

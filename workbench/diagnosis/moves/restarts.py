@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from workbench.core import Recording
+from workbench.report.wording import effect_phrase
 from workbench.simulation import scored_torque
 
 from ..acceptance import holdout_insensitive, near_noise_floor
@@ -126,7 +127,7 @@ def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
         better = better_refinement(step.added, step.ranking)
         if better is None or better in known or not problem.is_new("refinement", before.keys, step.added):
             continue
-        problem.progress(f"starting again from the step that added {step.added}")
+        problem.progress(f"starting again from the step that added {effect_phrase(step.added)}")
         yield before.begun(growth=replace(_THROUGH, basics_first=False), bold=True)
         return
 

@@ -11,6 +11,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS, SignalStage, kinds
 from workbench.models import AppliedEffect
+from workbench.report.wording import any_of, effect_name
 
 from ..acceptance import explains_most, holdout_insensitive, improves_an_axis, near_noise_floor
 from ..data import Data
@@ -60,7 +61,8 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     sets = _promising(problem.screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
     if not sets:
         return ()
-    problem.progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
+    told = [any_of([effect_name(name) for name in names], "and") for names, _ in sets]
+    problem.progress(f"fitting {'; '.join(told)} on every axis")
     tried = [with_candidates(linearisation, chosen, start) for _, chosen in sets]
     raced, _ = successive_halving(tried, start, data)
     fits = [(names, f) for (names, _), f in zip(sets, raced, strict=True) if f is not None]

@@ -11,6 +11,7 @@ from itertools import combinations
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect
+from workbench.report.wording import any_of, effect_phrase, effect_phrases
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -45,7 +46,8 @@ def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
     kept = needed(node.current, node.data, node.keys - {last.added})
     idle = sorted(node.keys - kept.hypothesis.keys, key=str)
     if idle:
-        problem.progress(f"dropping {', '.join(map(str, idle))}, not needed since {last.added}")
+        dropped = any_of(effect_phrases(idle), "and")
+        problem.progress(f"dropping {dropped}, not needed since {effect_phrase(last.added)}")
         plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))
         yield with_last_step(node.begun(as_good=True), plain, problem.seed)
 
@@ -84,7 +86,7 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
     special = effect_named(given_up.key.effect).search.contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
-    problem.progress(f"testing whether a simpler effect can replace {given_up.key}")
+    problem.progress(f"testing whether a simpler effect can replace {effect_phrase(given_up.key)}")
     (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()

@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
+from workbench.report.wording import any_of, effect_phrases
 
 from ..acceptance import at_noise_floor, improves
 from ..data import Data
@@ -122,7 +123,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Exp
 
 def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
     """Return candidates with their fits, without those whose simulation fails."""
-    at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
+    at.progress(f"fitting {any_of(effect_phrases([c.key for c in chosen]))}")
     pairs: list[Explanation] = []
     for diverges in (False, True):
         part = [c for c in chosen if kinds.diverges(effect_named(c.key.effect)) is diverges]
