@@ -180,6 +180,11 @@ def test_a_wheel_built_from_the_sdist_is_whole_and_runs_outside_of_a_clone(tmp_p
         assert len(files) > 10 and all((tmp_path / "site" / inside / file).is_file() for file in files)
     metadata = (tmp_path / "site" / f"robot_workbench-{VERSION}.dist-info" / "METADATA").read_text()
     assert "Description-Content-Type: text/markdown" in metadata and "License-Expression: MIT" in metadata
+    classifiers = set(re.findall("^Classifier: (.*)$", metadata, re.M))
+    assert {"Development Status :: 5 - Production/Stable", "Typing :: Typed"} <= classifiers
+    page = metadata.partition("\n\n")[2]
+    assert "pip install robot-workbench" in page and "## Results" in page
+    assert not re.search(r"\]\((?!https?://)|<img|\bmake (demo|test)\b", page), "leads nowhere on an index"
     code = (
         "import workbench; from workbench.cli import main; print(workbench.load_model('leg').source); main()"
     )

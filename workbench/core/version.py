@@ -3,4 +3,4 @@
 It is stated in the code and not asked of the installed package: on an index the package has another name.
 """
 
-VERSION = "0.1.0"
+VERSION = "1.0.0"
