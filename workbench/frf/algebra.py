@@ -12,7 +12,7 @@ _SINGULAR = 1e-6  # inputs closer to dependent than this cannot be told apart
 def solve_inputs(
     u: np.ndarray, driver: np.ndarray, frequency: np.ndarray, recording: Recording
 ) -> np.ndarray:
-    """K with U K = I at every line: driver^H (U driver^H)^-1, (F, E, nu).
+    """Return K with U K = I at every line: driver^H (U driver^H)^-1, (F, E, nu).
 
     Args:
         u, driver: spectra (F, nu, E).
@@ -38,13 +38,15 @@ def solve_inputs(
 
 
 def kronecker(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Covariance of a response whose error is V K: E[v v^H] (F, ny, ny) and K^T K* (F, nu, nu)."""
+    """Return the covariance of a response whose error is V K: E[v v^H] (F, ny, ny) and K^T K* (F, nu, nu)."""
     ny, nu = rows.shape[1], columns.shape[1]
     return np.einsum("fik,fjl->fijkl", rows, columns).reshape(len(rows), ny * nu, ny * nu)
 
 
 def output_noise(g: np.ndarray, scatter: np.ndarray, ny: int) -> np.ndarray:
-    """Scatter of y - G u, (F, ny, ny): the loop's feedback drops out, what the plant adds is left."""
+    """Return the scatter of y - G u, (F, ny, ny): without the loop's feedback, with the noise that the plant
+    adds.
+    """
     nu = g.shape[2]
     yy, yu = scatter[:, :ny, :ny], scatter[:, :ny, ny : ny + nu]
     uu = scatter[:, ny : ny + nu, ny : ny + nu]

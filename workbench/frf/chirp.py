@@ -83,7 +83,7 @@ def chirp(
 
 
 def _phase(time: np.ndarray, f_min: float, f_max: float, duration: float, sweep: str) -> np.ndarray:
-    """Phase of the sweep [rad]; its derivative is 2 pi times the frequency at each time."""
+    """Return the phase of the sweep [rad]; its derivative is 2 pi times the frequency at each time."""
     if sweep == "linear":
         return 2 * np.pi * (f_min * time + 0.5 * (f_max - f_min) / duration * time**2)
     growth = duration / np.log(f_max / f_min)

@@ -1,4 +1,4 @@
-"""A design on disk: one TOML file, and one table an experiment that a rig can play."""
+"""A design on disk: one TOML file, and one table per experiment that a rig can play."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class _DesignTable(_Table):
 
 
 def save_design(design: Design, path: str | Path, *, force: bool = False) -> list[Path]:
-    """Write a design that `load_design` reads back, and a rig can play.
+    """Write a design that `load_design` reads back and a rig can play; return the paths.
 
     Beside the TOML stands one ``.csv.gz`` an experiment: ``t`` [s], ``ff_AXIS`` (torque on top of the
     feedback) and/or ``qref_AXIS`` (position reference), all periods, transient ones first. Each trial's
@@ -103,7 +103,7 @@ def save_design(design: Design, path: str | Path, *, force: bool = False) -> lis
 
 
 def load_design(path: str | Path) -> Design:
-    """Read a design.
+    """Return the design of a file.
 
     Raises:
         InputError: a missing or malformed file, or a table that is not of that design.

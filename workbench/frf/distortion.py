@@ -56,7 +56,7 @@ class Distortion:
 
 
 def distortion(recordings: Sequence[Recording], **options: object) -> Distortion:
-    """Even and odd distortion of one set of experiments with an odd (random) multisine.
+    """Return even and odd distortion of one set of experiments with an odd (random) multisine.
 
     Args:
         recordings: one experiment or several about one posture.
@@ -116,7 +116,7 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
 
 
 def _levels(m: Measured, g: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean square over experiments at silent lines, and that of the noise, each (A, ny)."""
+    """Return the mean square over experiments at unexcited lines, and that of the noise, each (A, ny)."""
     if len(lines) == 0:
         nothing = np.zeros((0, g.shape[1]))
         return nothing, nothing

@@ -151,14 +151,14 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
 
 
 def _between(y: np.ndarray, u: np.ndarray, sets: list[list[int]]) -> np.ndarray:
-    """Covariance of the mean response, from its scatter between realisations; (F, ny nu, ny nu)."""
+    """Return the covariance of the mean response from its scatter between realisations; (F, ny nu, ny nu)."""
     each = np.stack([y[:, :, s] @ np.linalg.pinv(u[:, :, s]) for s in sets])
     d = (each - each.mean(axis=0)).reshape(len(sets), len(y), -1)
     return np.einsum("mfa,mfb->fab", d, d.conj()) / (len(sets) * (len(sets) - 1))
 
 
 def _coherence(m: Measured, g: np.ndarray, ny: int) -> np.ndarray:
-    """Share of each output's power, in one period, that is the response to the inputs; (F, ny)."""
+    """Return the share of each output's power in one period that is the response to the inputs; (F, ny)."""
     here = m.at(m.lines)
     total = left = np.zeros((len(here), ny))
     for s in m.spectra:

@@ -124,15 +124,15 @@ class Design:
 
     @property
     def rows(self) -> int:
-        """Rows that are played in one experiment, transient periods included."""
+        """Return the number of rows played in one experiment, transient periods included."""
         return (self.periods + self.transient_periods) * self.experiments.shape[1]
 
     def scaled(self, factor: float) -> Design:
-        """Return the same design, larger or smaller."""
+        """Return the same design with another amplitude."""
         return replace(self, experiments=self.experiments * factor)
 
     def excitation(self, experiment: int) -> Excitation:
-        """What the recording of an experiment says of its excitation."""
+        """Return what the recording of an experiment states about its excitation."""
         frequency = self.frequency
         return Excitation(
             kind=self.kind,
@@ -144,7 +144,7 @@ class Design:
         )
 
     def play(self, experiment: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Return all rows of an experiment, as a rig plays them.
+        """Return all rows of an experiment and the columns of its table, as a rig plays them.
 
         Returns:
             ``(time, signals)``: time [s], shape (rows,), and by name ``torque_feedforward`` and/or

@@ -22,7 +22,7 @@ _SAME = 0.98  # agreement of spectra that share their phases, noise in a measure
 
 
 def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
-    """Excited harmonics of one experiment, ascending, shape (F,).
+    """Return the excited harmonics of one experiment, ascending, shape (F,).
 
     Those given, or named in the recording; else those of the noise-free reference; else those at which the
     command, or the input where no command was logged, repeats and is no mere distortion. The last two within
@@ -76,7 +76,7 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
 
 
 def _commanded(recording: Recording, choice: Choice) -> str:
-    """The command where the input was measured and a command moves; else the input."""
+    """Return ``torque_command`` if the input was measured and a command moves; else the input."""
     command = recording.get("torque_command")
     measured = choice.input not in ("position_reference", "velocity_reference", "torque_feedforward")
     if not measured or command is None or not np.isfinite(command).all():
@@ -85,7 +85,7 @@ def _commanded(recording: Recording, choice: Choice) -> str:
 
 
 def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -> np.ndarray:
-    """Lines excited in every experiment.
+    """Return the lines excited in every experiment.
 
     Raises:
         InputError: there are none.
@@ -100,7 +100,8 @@ def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -
 
 
 def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
-    """Experiments put into whole sets that tell the inputs apart, one set per realisation of the phases.
+    """Return experiments grouped into complete sets that separate the inputs, one set per realisation of the
+    phases.
 
     Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
     that does not say it (one axis driven at a time) they are taken in the order given. Sets that play the
@@ -137,7 +138,9 @@ def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
 
 
 def _alike(drive: np.ndarray) -> np.ndarray:
-    """How much the spectra (E, F, n) of two experiments agree up to a factor, by axis, (E, E, n); 0 to 1."""
+    """Return how well the spectra (E, F, n) of two experiments agree up to a factor, by axis, (E, E, n); 0 to
+    1.
+    """
     size = np.linalg.norm(drive, axis=1)
     product = np.abs(np.einsum("efi,gfi->egi", drive.conj(), drive))
     both = size[:, None] * size[None]
@@ -145,7 +148,7 @@ def _alike(drive: np.ndarray) -> np.ndarray:
 
 
 def _whole(drive: np.ndarray, inputs: int) -> bool:
-    """Whether experiments (E, F, n) tell as many inputs apart, at every line."""
+    """Return whether experiments (E, F, n) separate all inputs at every line."""
     if len(drive) % inputs:
         return False
     values = np.linalg.svd(np.moveaxis(drive, 0, 1), compute_uv=False)
@@ -153,13 +156,13 @@ def _whole(drive: np.ndarray, inputs: int) -> bool:
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two sets (nu, F, n) play the same."""
+    """Return whether two sets (nu, F, n) play the same."""
     product = np.abs(np.sum(a.conj() * b, axis=(1, 2)))
     return bool((product > _SAME * np.linalg.norm(a, axis=(1, 2)) * np.linalg.norm(b, axis=(1, 2))).all())
 
 
 def _in_band(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
-    """Which lines lie in the band that the recording states, (F,) bool."""
+    """Return which lines lie in the band that the recording states, (F,) bool."""
     e = recording.excitation
     frequency = lines / (rows * recording.period)
     half = 0.5 / (rows * recording.period)
@@ -172,7 +175,9 @@ def _in_band(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
 
 
 def _on_grid(lines: np.ndarray, size: np.ndarray, stated: str | None) -> np.ndarray:
-    """Which lines (F,), of that size (F,), lie on the grid that the recording states, (F,) bool."""
+    """Return which lines (F,), with these amplitudes (F,), lie on the grid that the recording states, (F,)
+    bool.
+    """
     if stated in ("odd", "odd_random"):
         return lines % 2 == 1
     if stated is None or not stated.startswith("every_"):

@@ -1,4 +1,4 @@
-"""Leakage taken off the excited lines, and noise read between them.
+"""Leakage subtracted from the excited lines, and noise estimated between them.
 
 With P periods in one transform, excited lines stand at every P-th bin. Between them there is noise, and what
 the record's beginning and end leave: a transient, and motion that noise caused. That leakage is smooth along
@@ -21,7 +21,8 @@ _BINS = (12, 48)  # beside each line: at least and at most
 def spectra_between(
     columns: np.ndarray, rows: int, lines: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Mean spectrum of the periods without leakage, and the noise's covariance.
+    """Return the mean spectrum of the periods without leakage, the noise's covariance and its degrees of
+    freedom.
 
     Args:
         columns: P whole periods, P >= 2, shape (P rows, nz).
@@ -59,7 +60,7 @@ def spectra_between(
 
 
 def _spectrum(columns: np.ndarray, bins: int) -> np.ndarray:
-    """Amplitude spectra of the columns (N, nz) up to a bin, (nz, bins)."""
+    """Return the amplitude spectra of the columns (N, nz) up to a bin, (nz, bins)."""
     size, nz = columns.shape
     out = np.empty((nz, bins), complex)
     step = max(1, _CHUNK // size)

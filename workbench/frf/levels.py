@@ -1,4 +1,4 @@
-"""Which lines of a measured spectrum were excited on purpose: by their size, not only by their repeating.
+"""Lines of a measured spectrum that were excited on purpose: by their size, not only because they repeat.
 
 A nonlinear machine answers a periodic excitation periodically: its distortion, and what feedback and the
 drive make of it, repeats on lines that were never excited, so that periods agree there far better than noise
@@ -17,7 +17,7 @@ _LEAST, _LOCALLY = 0.01, 0.03  # part of the largest line, and of the shape abou
 
 
 def excited_levels(spectra: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """Lines that stand out of noise and out of distortion, (L,) bool.
+    """Return the lines that exceed noise and distortion, (L,) bool.
 
     Sizes go from the largest downwards without a step as long as lines were excited; behind the first step
     lies what the machine made of them. They are looked at as they are, since most excitations are flat, and
@@ -41,7 +41,9 @@ def excited_levels(spectra: np.ndarray, lines: np.ndarray) -> np.ndarray:
 
 
 def _above_step(size: np.ndarray) -> np.ndarray:
-    """Those above the first step of sizes that are put in order; none is zero. (L,) bool."""
+    """Return the lines above the first large step of the sorted sizes, (L,) bool; without a step, all but
+    zeros.
+    """
     order = np.sort(size[size > 0])[::-1]
     steps = np.flatnonzero(order[:-1] > _STEP * order[1:])
     steps = steps[steps >= _FEWEST - 1]
@@ -49,7 +51,7 @@ def _above_step(size: np.ndarray) -> np.ndarray:
 
 
 def _shape(size: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """The least curve above all sizes (L,) that rises and falls by 40 dB a decade at most.
+    """Return the lowest curve above all sizes (L,) that rises and falls by at most 40 dB per decade.
 
     So steep is torque that moves an inertia by as much at every frequency, or the motion by a flat torque.
     """

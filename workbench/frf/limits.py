@@ -1,4 +1,4 @@
-"""Making an excitation small enough for the machine: simulate, see which limit binds, shrink, again."""
+"""An excitation made small enough for the machine: simulate, find the limit that binds, shrink, repeat."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ _TRIES = 25
 
 @dataclass(frozen=True)
 class Limit:
-    """Where one signal may go: `quantity` (position, speed, torque), `name` of its axis or joint, range."""
+    """The range of one signal: `quantity` (position, speed, torque), `name` of its axis or joint, lowest and
+    highest.
+    """
 
     quantity: str
     name: str
@@ -34,7 +36,7 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """A design within limits.
+    """A design that stays within limits, and by which factor it was shrunk.
 
     Attributes:
         design: the design, scaled.
@@ -52,7 +54,7 @@ class Scaled:
 def scale_to_limits(
     design: Design, simulate: Predict, limits: Sequence[Limit], *, margin: float = 0.05
 ) -> Scaled:
-    """Shrink a design until its predicted signals stay within limits; it is never made larger.
+    """Return a design shrunk until its predicted signals stay within limits; it is never made larger.
 
     The response need not be proportional (gravity, saturation): every new size is simulated.
 
@@ -113,7 +115,7 @@ def _try(design: Design, factor: float, simulate: Predict, limits: Sequence[Limi
 
 
 def _usage(predicted: Mapping[str, np.ndarray], limits: Sequence[Limit]) -> dict[Limit, float]:
-    """Share of the room from the first row to the limit that is used."""
+    """Return for each limit the share used of the room between the first row and the limit."""
     usage = {}
     seen: dict[str, int] = {}
     for limit in limits:

@@ -27,7 +27,7 @@ def select_lines(
     group: int = 4,
     seed: int = 0,
 ) -> np.ndarray:
-    """Harmonic numbers of the excited lines, ascending; line k is at k / period_s.
+    """Return the harmonic numbers of the excited lines, ascending; line k is at k / period_s.
 
     Args:
         f_min_hz, f_max_hz: band [Hz], both ends included.
@@ -72,7 +72,7 @@ def select_lines(
 
 
 def detection_lines(lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lines of the band that were not excited on purpose: odd ones, even ones.
+    """Return the lines of the band that were not excited on purpose: odd ones, even ones.
 
     Args:
         lines: excited harmonics, shape (F,).
@@ -89,7 +89,7 @@ def detection_lines(lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _quasi_logarithmic(lines: np.ndarray, per_decade: int) -> np.ndarray:
-    """The lines of the grid nearest to a geometric series, each once."""
+    """Return the lines of the grid nearest to a geometric series, each once."""
     decades = np.log10(lines[-1] / lines[0])
     wanted = np.geomspace(lines[0], lines[-1], max(2, round(decades * per_decade) + 1))
     above = np.clip(np.searchsorted(lines, wanted), 1, max(len(lines) - 1, 1))
@@ -100,7 +100,7 @@ def _quasi_logarithmic(lines: np.ndarray, per_decade: int) -> np.ndarray:
 
 
 def _leave_out(lines: np.ndarray, group: int, seed: int) -> np.ndarray:
-    """All but one, drawn at random, of every whole group of consecutive lines."""
+    """Return the lines without one, drawn at random, of every complete group of consecutive lines."""
     whole = len(lines) // group * group
     places = np.random.default_rng(seed).integers(0, group, whole // group)
     silent = np.arange(0, whole, group) + places

@@ -114,7 +114,7 @@ def local_polynomial(
 
 
 def _halfwidth(order: int, nu: int, records: int, fitted: int) -> int:
-    """Fewest lines to each side that leave `_SPARE` residuals more than the covariance has rows."""
+    """Return the fewest lines to each side that leave `_SPARE` more residuals than the covariance has rows."""
     terms = order + 1
     window = terms + int(np.ceil((nu * terms + fitted + _SPARE) / records))
     return window // 2
@@ -123,7 +123,7 @@ def _halfwidth(order: int, nu: int, records: int, fitted: int) -> int:
 def _band(
     recordings: Sequence[Recording], rows: int, f_min_hz: float | None, f_max_hz: float | None
 ) -> np.ndarray:
-    """Harmonics of the record inside the band, ascending."""
+    """Return the harmonics of the record inside the band, ascending."""
     first = recordings[0]
     rate = 1.0 / first.period
     low = [r.excitation.f_min_hz for r in recordings if r.excitation.f_min_hz is not None]
@@ -148,7 +148,7 @@ def _band(
 
 
 def _spectrum(recording: Recording, choice: Choice, rows: int, bins: np.ndarray) -> np.ndarray:
-    """Spectrum of a record's last rows, outputs, inputs, references: (bins, nz)."""
+    """Return the spectrum of a record's last rows, outputs, inputs, references: (bins, nz)."""
     columns = choice.columns(recording)[-rows:]
     # a constant only leaks; without it less has to be explained
     block = np.ascontiguousarray((columns - columns.mean(axis=0)).T)
@@ -165,7 +165,8 @@ def _solve(
     recording: Recording,
     frequency: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Local fits of the first `fitted` signals to the last `nu`.
+    """Return local fits of the first `fitted` signals to the last `nu`: response, covariance of its error,
+    residuals' covariance.
 
     Args:
         spectra: (E, bins, nz); the last nu columns drive.
@@ -221,7 +222,7 @@ def _solve(
 def _quotient(
     z: np.ndarray, unit: np.ndarray, noise: np.ndarray, ny: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """From reference to (output, input), to the response of output to input; see `_solve`."""
+    """Return the response of output to input from that of (output, input) to the reference; see `_solve`."""
     inverse = np.linalg.inv(z[:, ny:])
     g = z[:, :ny] @ inverse
     nu = g.shape[2]

@@ -43,12 +43,12 @@ class Measured:
     notes: tuple[str, ...]
 
     def at(self, lines: np.ndarray) -> np.ndarray:
-        """Places of harmonics in `every`."""
+        """Return the indices of harmonics in `every`."""
         return np.searchsorted(self.every, lines)
 
 
 def lines_of(recording: Recording) -> np.ndarray:
-    """Harmonics that were excited in one recording of a periodic excitation, (F,), ascending.
+    """Return the harmonics excited in one recording of a periodic excitation, (F,), ascending.
 
     Raises:
         InputError: no torque, whole periods or lines; see `workbench.frf.estimate`.
@@ -69,7 +69,7 @@ def measure(
     transient_periods: int | None = None,
     leakage: bool = True,
 ) -> Measured:
-    """Spectra of periodic experiments; arguments and errors as `workbench.frf.estimate`."""
+    """Return spectra of periodic experiments; arguments and errors as `workbench.frf.estimate`."""
     choice = choose(recordings, input=input, output=output, reference=reference, axes=axes)
     period = rows_of_period(recordings, choice, period_s)
     notes: list[str] = []

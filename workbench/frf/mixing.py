@@ -1,4 +1,4 @@
-"""Sets of experiments that tell several inputs apart: how each experiment mixes the inputs.
+"""Sets of experiments that separate several inputs: how each experiment mixes the inputs.
 
 With n inputs, n experiments give n equations a line. They are best conditioned, and the covariance of the
 response smallest for a given amplitude, where the mixing matrix is unitary up to a factor and all its
@@ -20,7 +20,7 @@ Mixing = Literal["orthogonal", "hadamard", "dft", "single"]
 
 
 def mixing_matrix(inputs: int, kind: Mixing = "orthogonal") -> np.ndarray:
-    """Factor of each input in each experiment, complex.
+    """Return the complex factor of each input in each experiment.
 
     Two inputs give the paper's modes: the sum (both alike), then the difference (the second inverted).
 
@@ -51,7 +51,7 @@ def mixing_matrix(inputs: int, kind: Mixing = "orthogonal") -> np.ndarray:
 
 
 def mode_name(row: np.ndarray) -> Literal["sum", "difference", "single"] | None:
-    """What a recording calls an experiment with these factors; None where it has no word for it."""
+    """Return what a recording calls an experiment with these factors; None if it has no word for it."""
     if np.count_nonzero(row) == 1:
         return "single"
     if len(row) == 2 and np.allclose(row[1], row[0]):

@@ -40,7 +40,7 @@ def multisine(
     seed: int = 0,
     name: str = "multisine",
 ) -> Design:
-    """Return a set of multisine experiments: n per realisation, which tell n axes apart.
+    """Return a set of multisine experiments: n per realisation, which separate n axes.
 
     Args:
         axes: names of the driven axes, n of them.
@@ -114,7 +114,7 @@ def multisine(
 
 
 def name_trials(name: str, axes: Sequence[str], matrix: np.ndarray, realisations: int) -> tuple[Trial, ...]:
-    """Trials of a set, named after what they drive: ``leg_sum``, ``leg_hip``, ``arm_3``..."""
+    """Return the trials of a set, named after what they drive: ``leg_sum``, ``leg_hip``, ``arm_3``..."""
     trials = []
     for m in range(realisations):
         for e, row in enumerate(matrix):
@@ -127,7 +127,7 @@ def name_trials(name: str, axes: Sequence[str], matrix: np.ndarray, realisations
 
 
 def _rows(period_s: float, rate_hz: float) -> int:
-    """Samples a period."""
+    """Return the number of samples per period."""
     if not (np.isfinite(rate_hz) and rate_hz > 0):
         raise InputError(f"a rate of {rate_hz:g} Hz", column="rate_hz", remedy="give a positive rate")
     if not (np.isfinite(period_s) and period_s > 0):
@@ -150,7 +150,7 @@ def _rows(period_s: float, rate_hz: float) -> int:
 def _amplitudes(
     frequency: np.ndarray, rms: np.ndarray, n: int, shape: Callable[[np.ndarray], np.ndarray] | None
 ) -> np.ndarray:
-    """Amplitude of each line and axis, (F, n), with the wanted root mean square."""
+    """Return the amplitude of each line and axis, (F, n), with the wanted root mean square."""
     if rms.shape not in ((), (1,), (n,)) or not np.isfinite(rms).all() or (rms <= 0).any():
         problem = f"amplitudes {np.atleast_1d(rms).tolist()} for {n} axes"
         raise InputError(problem, column="rms", remedy="give one positive number, or one per axis")

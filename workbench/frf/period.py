@@ -13,7 +13,7 @@ _TOLERANCES = (1e-6, 0.1)
 
 
 def find_period(signal: np.ndarray) -> float | None:
-    """Period of a signal from its autocorrelation.
+    """Return the period of a signal by its autocorrelation; None if it does not repeat.
 
     The smallest lag is taken at which the signal is as similar to itself as it is anywhere, refined at the
     largest multiple that fits, so that the error is a small part of a row.
@@ -86,7 +86,9 @@ def _longest_stretch(reference: np.ndarray, period: int, tolerance: float) -> tu
 
 
 def _autocorrelation(columns: np.ndarray) -> np.ndarray:
-    """Mean over columns of the correlation of a signal with itself, by lag, each lag by its own rows."""
+    """Return the correlation of a signal with itself by lag, averaged over columns; each lag over its own
+    rows.
+    """
     rows = len(columns)
     size = 2 ** int(np.ceil(np.log2(2 * rows)))
     power = np.abs(np.fft.rfft(columns, size, axis=0)) ** 2
@@ -101,7 +103,7 @@ def _autocorrelation(columns: np.ndarray) -> np.ndarray:
 
 
 def _heights(similar: np.ndarray) -> np.ndarray:
-    """Heights of the tops between rows, by parabolas, at their nearest row; zero elsewhere."""
+    """Return the heights of peaks between rows, by parabolas, at their nearest row; zero elsewhere."""
     low, middle, high = similar[:-2], similar[1:-1], similar[2:]
     top = (middle >= low) & (middle >= high) & (low + high < 2 * middle)
     out = np.zeros_like(similar)
@@ -110,7 +112,7 @@ def _heights(similar: np.ndarray) -> np.ndarray:
 
 
 def _off_rows(similar: np.ndarray) -> np.ndarray:
-    """How far each top lies from its nearest row, in rows; zero where there is no top."""
+    """Return how far each peak lies from its nearest row, in rows; zero where there is no peak."""
     out = np.zeros_like(similar)
     low, middle, high = similar[:-2], similar[1:-1], similar[2:]
     bend = low - 2 * middle + high
@@ -119,7 +121,7 @@ def _off_rows(similar: np.ndarray) -> np.ndarray:
 
 
 def _refined(similar: np.ndarray, lag: int, longest: int) -> float:
-    """The top between rows, by a parabola, at ever larger multiples of the period."""
+    """Return the peak between rows by a parabola, at ever larger multiples of the period."""
     period = float(lag)
     multiple = 1
     while True:

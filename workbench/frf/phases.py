@@ -1,4 +1,4 @@
-"""Phases of a multisine, and how peaky it becomes."""
+"""Phases of a multisine, and the crest factor that they give."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def schroeder_phases(lines: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
-    """Phases that spread the power of a multisine evenly over its period.
+    """Return phases that spread the power of a multisine evenly over its period.
 
     The group delay of a line grows with the power of the lines below it, so that the signal sweeps through
     its spectrum once per period. M. R. Schroeder, "Synthesis of low-peak-factor signals and binary sequences
@@ -29,7 +29,7 @@ def schroeder_phases(lines: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
 
 
 def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tries: int = 400) -> np.ndarray:
-    """Phases with a lower crest factor than Schroeder's where lines are sparse or irregular.
+    """Return phases with a lower crest factor than Schroeder's where lines are sparse or irregular.
 
     Clips the signal, keeps the phases that the clipped signal has, restores the amplitudes, again. E. Van der
     Ouderaa, J. Schoukens and J. Renneboog, "Peak factor minimization using a time-frequency domain swapping
@@ -61,7 +61,7 @@ def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tr
 
 
 def random_phases(count: int, generator: np.random.Generator) -> np.ndarray:
-    """Independent phases, uniform on the circle [rad], shape (count,).
+    """Return independent phases, uniform on the circle [rad], shape (count,).
 
     With many lines the signal is close to Gaussian noise, for which the best linear approximation of a
     nonlinear system is defined (Pintelon and Schoukens 2012, ch. 3).
@@ -70,7 +70,7 @@ def random_phases(count: int, generator: np.random.Generator) -> np.ndarray:
 
 
 def synthesise(lines: np.ndarray, spectrum: np.ndarray, rows: int) -> np.ndarray:
-    """One period of a sum of cosines.
+    """Return one period of a sum of cosines.
 
     Args:
         lines: harmonics, each below rows / 2, shape (F,).
@@ -86,7 +86,8 @@ def synthesise(lines: np.ndarray, spectrum: np.ndarray, rows: int) -> np.ndarray
 
 
 def crest_factor(signal: np.ndarray) -> np.ndarray:
-    """Largest magnitude over root mean square, along the last axis; 0 for a signal that is zero.
+    """Return the largest magnitude over the root mean square, along the last axis; 0 for a signal that is
+    zero.
 
     A sine has 1.41, a Schroeder multisine with all lines about 1.7, one with random phases about 3 to 4.
     """

@@ -1,4 +1,4 @@
-"""Covariances of neighbouring lines pooled, where each line's own has too few residuals behind it.
+"""Covariances pooled over neighbouring lines, where a single line has too few residuals.
 
 Noise is smooth along frequency, but may be steep: what noise does to a machine in its loop piles up at low
 frequency. So the level is followed by straight lines in log-log, and only what is left after dividing by it,
@@ -19,7 +19,7 @@ _STAYS = 0.25
 def pooled_covariance(
     covariance: np.ndarray, dof: np.ndarray, fresh: np.ndarray, frequency: np.ndarray, lines: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Covariances averaged over `lines` lines to each side.
+    """Return covariances averaged over `lines` lines to each side, and the residuals behind each.
 
     Args:
         covariance: (F, m, m), of something whose level varies smoothly.
@@ -44,7 +44,9 @@ def pooled_covariance(
 
 
 def _level(log_power: np.ndarray, x: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Level at each line by local straight lines in log-log, (F,); and each one's share in its own, (F,)."""
+    """Return the level at each line by local straight lines in log-log, (F,), and the weight of each line in
+    its own, (F,).
+    """
     count = len(x)
     rows = np.arange(count)
     least = int(np.ceil(0.5 * _LEVEL / max(float(np.min(residuals)), 1e-9)))
@@ -66,7 +68,7 @@ def _level(log_power: np.ndarray, x: np.ndarray, residuals: np.ndarray) -> tuple
 
 
 def _sums(values: np.ndarray, lines: int) -> np.ndarray:
-    """Sums over `lines` rows to each side, as many as there are at the ends."""
+    """Return sums over `lines` rows to each side, fewer at the ends."""
     total = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
     rows = np.arange(len(values))
     return total[np.minimum(rows + lines + 1, len(values))] - total[np.maximum(rows - lines, 0)]

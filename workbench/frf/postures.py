@@ -1,4 +1,4 @@
-"""Many postures: recordings grouped by where they were made, one response each."""
+"""Many postures: recordings grouped by posture, one response for each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .response import Frf
 
 
 def group_by_posture(recordings: Sequence[Recording], tolerance: float = 0.05) -> list[list[Recording]]:
-    """Recordings whose mean measured positions agree, in the order in which the postures first appear.
+    """Return groups of recordings whose mean measured positions agree, in the order in which the postures
+    first appear.
 
     Args:
         recordings: with the same axes.
@@ -34,7 +35,7 @@ def group_by_posture(recordings: Sequence[Recording], tolerance: float = 0.05) -
 def estimate_postures(
     recordings: Sequence[Recording], *, tolerance: float = 0.05, **options: object
 ) -> list[Frf]:
-    """One response a posture; `options` are those of `estimate`.
+    """Return one response per posture; `options` are those of `estimate`.
 
     Raises:
         InputError: as `estimate`, for any of the postures.

@@ -32,24 +32,24 @@ class Choice:
     def columns(
         self, recording: Recording, rows: slice = slice(None), signals: Sequence[str] | None = None
     ) -> np.ndarray:
-        """Outputs, inputs, references (or some `signals`) side by side, (rows, ny + nu + nr)."""
+        """Return outputs, inputs, references (or some `signals`) side by side, (rows, ny + nu + nr)."""
         names = self.signals if signals is None else signals
         return np.concatenate([recording.signals[s][rows, self.place] for s in names], axis=1)
 
     @property
     def signals(self) -> tuple[str, ...]:
-        """Names of outputs, input and reference, in the order of `columns`."""
+        """Return the names of outputs, input and reference, in the order of `columns`."""
         return (*self.outputs, self.input, *((self.reference,) if self.reference else ()))
 
     @property
     def place(self) -> slice | list[int]:
-        """Return the axes as an index, without a copy where they stand side by side."""
+        """Return the axes as a slice if they are neighbours (which needs no copy), else as a list."""
         first, last = self.axes[0], self.axes[-1]
         side_by_side = self.axes == tuple(range(first, last + 1))
         return slice(first, last + 1) if side_by_side else list(self.axes)
 
     def channels(self, recording: Recording) -> tuple[tuple[Channel, ...], tuple[Channel, ...]]:
-        """What the response's rows and columns are."""
+        """Return the outputs and the inputs of the response, as its rows and columns."""
 
         def of(signal: str) -> list[Channel]:
             kind = AXIS_SIGNALS[signal]
@@ -62,15 +62,13 @@ class Choice:
         return tuple(c for s in self.outputs for c in of(s)), tuple(of(self.input))
 
     def hold(self, recordings: Sequence[Recording]) -> float | None:
-        """Return how long the input stands still from each row on [s]; None where it is smooth between
-        rows.
-        """
+        """Return how long the input stays constant after each row [s]; None if it is smooth between rows."""
         first = recordings[0]
         held = self.input == "torque_command" or looks_held(first.signals[self.input])
         return first.period if held and not self.faster_than_log(recordings) else None
 
     def faster_than_log(self, recordings: Sequence[Recording]) -> bool:
-        """Return whether a commanded input changes between the rows, where nobody sees it."""
+        """Return whether a commanded input changes between rows, where the log does not show it."""
         ticks = [r.controller.period_s or r.period for r in recordings]
         return self.input == "torque_command" and min(ticks) < 0.999 * recordings[0].period
 
@@ -83,7 +81,7 @@ def choose(
     reference: str | None,
     axes: Sequence[str] | None,
 ) -> Choice:
-    """Check that recordings belong together, and settle which signals to use.
+    """Return which signals to use, after checking that the recordings belong together.
 
     Args:
         recordings: at least one; same axes, coordinates, units and clock.
@@ -122,7 +120,7 @@ def choose(
 
 
 def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: float | None) -> float:
-    """Rows a period, not always a whole number.
+    """Return the number of rows per period, not always a whole number.
 
     Taken from `period_s`, else from what the recordings say of their excitation, else from the
     autocorrelation of reference or input.
@@ -155,7 +153,7 @@ def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: fl
 
 
 def check_rows(recording: Recording, choice: Choice, first: int, last: int) -> None:
-    """Raises InputError at the first masked row, or number that is not finite, in rows first to last - 1."""
+    """Raise InputError at the first masked row, or number that is not finite, in rows first to last - 1."""
     masked = ~recording.valid[first:last]
     if masked.any():
         raise InputError(
@@ -214,7 +212,7 @@ def _check_there(recording: Recording, signal: str) -> None:
 
 
 def _reference(recordings: Sequence[Recording], axes: Sequence[int], input: str) -> str | None:
-    """The first noise-free signal that moves in every recording."""
+    """Return the first noise-free signal that moves in every recording; None if there is none."""
     for signal in _REFERENCES:
         values = [r.get(signal) for r in recordings]
         if signal != input and all(v is not None and np.ptp(v[:, list(axes)]) > 0 for v in values):

@@ -1,4 +1,4 @@
-"""Resonances and anti-resonances read off a response, with intervals and without a model of the whole."""
+"""Resonances and anti-resonances read from a response, with intervals and without a model of the whole."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WIDEST = 0.3  # damping ratio beyond which a top or dip is none
 
 @dataclass(frozen=True)
 class Resonance:
-    """One top or dip: natural `frequency` [Hz], `damping` ratio, and the response's `magnitude` there."""
+    """One peak or dip: natural `frequency` [Hz], `damping` ratio, and the response's `magnitude` there."""
 
     kind: Literal["resonance", "antiresonance"]
     frequency: Estimate
@@ -28,7 +28,7 @@ class Resonance:
 def find_resonances(
     frf: Frf, output: int = 0, input: int = 0, *, prominence_db: float = 3.0, lines: int = 4
 ) -> list[Resonance]:
-    """Tops and dips of the acceleration that a response implies, lowest frequency first.
+    """Return peaks and dips of the acceleration that a response implies, lowest frequency first.
 
     A complex polynomial of order two is fitted to the response (near a dip) or to its inverse (near a top)
     over a few lines; it is smooth there, and its complex root is the natural frequency with its damping.
@@ -64,7 +64,7 @@ def find_resonances(
 def _first_fitted(
     frf: Frf, g: np.ndarray, std: np.ndarray, place: int, kind: str, lines: int
 ) -> list[Resonance]:
-    """The fit over the narrowest stretch that holds the whole of a top or dip: a damped one is wide."""
+    """Return the fit over the narrowest band that contains the whole peak or dip: a damped one is wide."""
     width = lines
     while 2 * width + 1 <= len(frf):
         fitted = _fitted(frf, g, std, place, kind, width)

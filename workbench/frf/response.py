@@ -1,4 +1,4 @@
-"""A measured frequency response: the numbers, how sure they are, and where they come from."""
+"""A measured frequency response: the numbers, their uncertainty, and where they come from."""
 
 from __future__ import annotations
 
@@ -109,12 +109,12 @@ class Frf:
 
     @property
     def omega(self) -> np.ndarray:
-        """Angular frequency [rad/s], shape (F,)."""
+        """Return the angular frequency [rad/s], shape (F,)."""
         return 2 * np.pi * self.frequency
 
     @property
     def std(self) -> np.ndarray:
-        """Standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
+        """Return the standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
         return _std(self.covariance, self.response.shape)
 
     @property
@@ -124,21 +124,25 @@ class Frf:
 
     @property
     def wishart_size(self) -> int:
-        """Rows of the matrix that the residuals estimated."""
+        """Return the number of rows of the matrix that the residuals estimated."""
         return len(self.outputs) if self.estimated == "outputs" else len(self.outputs) * len(self.inputs)
 
     def radius(self, level: float = 0.95) -> np.ndarray:
-        """Radius of the disc about each entry that holds the true one with chance `level`, (F, ny, nu)."""
+        """Return the radius of the disc about each entry that contains the true one with probability `level`,
+        (F, ny, nu).
+        """
         return entry_radius(self.std**2, self.dof[:, None, None], level)
 
     def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper end for the magnitude, each (F, ny, nu)."""
+        """Return the lower and upper end for the magnitude, each (F, ny, nu)."""
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
 
     def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper end for the phase [rad], each (F, ny, nu); a whole turn where nothing is known."""
+        """Return the lower and upper end for the phase [rad], each (F, ny, nu); a full turn where nothing is
+        known.
+        """
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         known = half < size
@@ -147,7 +151,7 @@ class Frf:
         return phase - turn, phase + turn
 
     def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far a model's response (F, ny, nu) is, all entries of a line together.
+        """Return how far a model's response (F, ny, nu) is from this one, all entries of a line together.
 
         Returns:
             ``(T, p)``, each (F,): squared distance in deviations, and the chance of a larger one if the
@@ -221,7 +225,8 @@ class Frf:
         )
 
     def smoothed(self, lines: int) -> Frf:
-        """Covariances averaged over `lines` lines to each side, with the residuals of all of them behind.
+        """Return the response with covariances averaged over `lines` lines to each side and the residuals of
+        all of them.
 
         Few periods or realisations leave a scattered (or singular) covariance. What is averaged is the
         covariance of the outputs, whose spectrum varies slowly with frequency, and each line's own inputs
@@ -281,6 +286,6 @@ def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:
 
 
 def _across(one: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Kronecker product of a matrix with each of (F, n, n)."""
+    """Return the Kronecker product of a matrix with each of (F, n, n)."""
     size = len(one) * factors.shape[1]
     return np.einsum("ik,fjl->fijkl", one, factors).reshape(len(factors), size, size)

@@ -34,7 +34,7 @@ def second_order(
     delay: complex | float,
     outputs: np.ndarray,
 ) -> System:
-    """M q'' + D q' + K q = u(t - delay) as a `System`.
+    """Return M q'' + D q' + K q = u(t - delay) as a `System`.
 
     Args:
         inertia, damping, stiffness: (n, n), real or complex.
@@ -111,7 +111,7 @@ class _Parts:
         self.phi, self.old = after @ before, after @ push_before
 
     def imag(self, step: float) -> _Parts:
-        """Derivatives along a complex step."""
+        """Return the derivatives along a complex step."""
         out = object.__new__(_Parts)
         out.hold, out.whole = self.hold, self.whole
         for name in ("phi", "new", "old", "c", "b", "late"):
@@ -123,14 +123,14 @@ class _Parts:
         return np.exp(-1j * omega * np.real(self.late))[:, None, None]
 
     def entry(self, omega: np.ndarray) -> np.ndarray:
-        """What enters the state, (F, s, nu)."""
+        """Return what enters the state, (F, s, nu)."""
         if self.hold is None:
             return self.b * self.wait(omega)
         back = np.exp(-1j * omega * self.hold)[:, None, None]
         return (self.new + self.old * back) * back**self.whole
 
     def evaluate(self, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Response (F, ny, nu), (z - phi)^-1 (F, s, s), entry (F, s, nu)."""
+        """Return the response (F, ny, nu), (z - phi)^-1 (F, s, s) and the entry (F, s, nu)."""
         z = 1j * omega if self.hold is None else np.exp(1j * omega * self.hold)
         inverse = np.linalg.inv(z[:, None, None] * np.eye(len(self.phi)) - self.phi)
         entry = self.entry(omega)
@@ -138,7 +138,7 @@ class _Parts:
 
 
 def _held(system: System, time: complex | float) -> tuple[np.ndarray, np.ndarray]:
-    """Transition over a time, and what a held input adds in it."""
+    """Return the transition over a time, and what a held input adds during it."""
     s, nu = system.b.shape
     block = np.zeros((s + nu, s + nu), np.result_type(system.a, system.b, type(time)))
     block[:s, :s], block[:s, s:] = system.a, system.b

@@ -1,4 +1,4 @@
-"""What stands on lines where nothing was excited: noise, and what nonlinearity put there.
+"""What is measured at lines where nothing was excited: noise, and nonlinear distortion.
 
 What the input itself carries there (feedback, a nonlinear drive) is taken off with the response between the
 neighbouring lines. Pintelon and Schoukens 2012, ch. 4 (fast method, correction for the input's lines).
@@ -17,7 +17,7 @@ _NEAR = 6  # silent lines pooled about an excited one
 def distortion_covariance(
     m: Measured, g: np.ndarray, noise: np.ndarray, unit: np.ndarray, free: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What odd distortion adds to the covariance of a response, from silent odd lines nearby.
+    """Return what odd distortion adds to the covariance of a response, from unexcited odd lines nearby.
 
     The experiments of a set drive a nonlinearity with the same signal up to a factor, so that their
     distortions may move together: the worst case is taken, as if one experiment said all.
@@ -52,7 +52,9 @@ def distortion_covariance(
 
 
 def residuals(m: Measured, g: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """y - G u of every experiment's mean (E, A, ny) at silent lines; covariance of its noise (A, ny, ny)."""
+    """Return y - G u of every experiment's mean (E, A, ny) at unexcited lines, and the covariance of its
+    noise (A, ny, ny).
+    """
     ny, nu = g.shape[1:]
     there = m.at(lines)
     flat = g.reshape(len(g), -1)

@@ -42,7 +42,7 @@ class Span:
         return self.last - self.first == self.count * self.rows
 
     def columns(self, signals: Sequence[str] | None = None, periods: int | None = None) -> np.ndarray:
-        """Signals (all of the choice, if none are named) of the last `periods`, (periods rows, nz)."""
+        """Return signals (all of the choice, if none are named) of the last `periods`, (periods rows, nz)."""
         count = min(periods or self.count, self.count)
         if self.whole:
             here = slice(self.last - count * self.rows, self.last)
@@ -55,8 +55,7 @@ class Span:
 
 
 def whole_periods(recording: Recording, choice: Choice, period: float) -> Span:
-    """Return the whole periods of an experiment, the last ones that fit: what is left over lies at the
-    beginning.
+    """Return the last whole periods of an experiment; the rows left over are at its beginning.
 
     Where a noise-free reference says when the excitation repeats, nothing before and behind that is used.
 

@@ -1,4 +1,4 @@
-"""Spectra of every period at the lines wanted: their mean, their scatter, and when the transient is over."""
+"""Spectra of every period at the wanted lines: mean, scatter, and the end of the transient."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Spectra:
 
 
 def period_spectra(columns: np.ndarray, rows: int, lines: np.ndarray) -> np.ndarray:
-    """Spectrum of each period at some lines.
+    """Return the spectrum of each period at some lines.
 
     Args:
         columns: P whole periods, shape (P rows, nz).
@@ -75,7 +75,7 @@ def reduce(
     transient: int | None,
     leakage: bool,
 ) -> Spectra:
-    """Mean and noise of the periods behind the transient.
+    """Return mean and noise of the periods after the transient.
 
     With `leakage` the noise is read between the lines, and leakage is taken off. Without, and where periods
     are too short for that, they are averaged, and their scatter is the noise.
@@ -107,8 +107,7 @@ def reduce(
 
 
 def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
-    """Return how many leading periods differ from those behind them by more than these differ among
-    themselves.
+    """Return how many leading periods differ from the later ones by more than these differ among themselves.
 
     At each line the difference of a period from the mean of the later ones, over their variance, is F
     distributed once the response is periodic. The chances of all lines of a band are put together (R. A.
@@ -143,7 +142,7 @@ def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
 
 
 def _octaves(lines: int) -> list[tuple[int, int]]:
-    """Bands of lines, each about twice as wide as the one below it."""
+    """Return bands of lines, each about twice as wide as the one below it."""
     edges = [0]
     while lines - edges[-1] >= 3 * _BAND * len(edges):
         edges.append(edges[-1] + _BAND * 2 ** (len(edges) - 1))

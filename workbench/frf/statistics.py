@@ -13,7 +13,7 @@ import scipy
 
 
 def entry_radius(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
-    """Radius of the disc that holds one complex number with probability `level`.
+    """Return the radius of the disc that contains one complex number with probability `level`.
 
     Args:
         variance: estimated E |error|^2, any shape.
@@ -24,7 +24,7 @@ def entry_radius(variance: np.ndarray, dof: np.ndarray | float, level: float) ->
 
 
 def real_halfwidth(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
-    """Half the interval of one real component of a complex number; arguments as `entry_radius`."""
+    """Return half the interval of one real component of a complex number; arguments as `entry_radius`."""
     return np.sqrt(variance / 2) * scipy.stats.t.ppf(0.5 + 0.5 * level, 2 * np.asarray(dof))
 
 
@@ -53,7 +53,8 @@ def distance(
 
 
 def expected_distance(m: int, dof: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and variance of `distance`'s T for a true model, each like `dof`; infinite for too few residuals.
+    """Return mean and variance of `distance`'s T for a true model, each like `dof`; infinite for too few
+    residuals.
 
     The mean of an inverted complex Wishart matrix is its true inverse times dof / (dof - size).
     """
@@ -67,7 +68,7 @@ def expected_distance(m: int, dof: np.ndarray, size: int) -> tuple[np.ndarray, n
 
 
 def information_loss(dof: np.ndarray, size: int) -> np.ndarray:
-    """Factor on the inverse of J^H Ĉ^-1 J that gives the covariance of weighted least squares.
+    """Return the factor on the inverse of J^H Ĉ^-1 J that gives the covariance of weighted least squares.
 
     The weights scatter too, so that estimates scatter more than the plain inverse says: dof^2 over
     (dof - size)^2 - 1, from the first two moments of an inverted complex Wishart matrix (J. A. Tague and

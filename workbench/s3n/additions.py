@@ -41,7 +41,7 @@ def additions(before: mujoco.MjModel, after: mujoco.MjModel) -> tuple[Addition, 
 
 
 def _numbers(m: mujoco.MjModel) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
-    """``(element, quantity) -> (value, unit)`` of all that normalisation may change."""
+    """Yield ``(element, quantity) -> (value, unit)`` for every number that normalisation may change."""
     for b in range(1, m.nbody):
         element = f"body {m.body(b).name or b}"
         turn = np.zeros(9)

@@ -14,7 +14,7 @@ from workbench.core.files import check_free, write_whole
 
 
 def write_with_assets(xml: str, path: str | Path, *, force: bool = False) -> tuple[Path, tuple[Path, ...]]:
-    """Write an MJCF whose folders of assets are absolute, so that whoever takes its folder has all of it.
+    """Write an MJCF together with its meshes and textures, and return its path and those of the copied files.
 
     Assets beside or below the new file are named from there; others are copied into a folder beside it.
 
@@ -37,7 +37,7 @@ def write_with_assets(xml: str, path: str | Path, *, force: bool = False) -> tup
 
 
 def _placed(xml: str, target: Path) -> tuple[str, dict[Path, Path]]:
-    """The text with its folders as seen from the new file; new place -> place of what has to be copied."""
+    """Return the text with folders relative to the new file, and what has to be copied: new path -> old path."""
     spec = mujoco.MjSpec.from_string(xml)
     drawn = [asset.file for asset in (*spec.meshes, *spec.hfields, *spec.skins)]
     painted = [name for asset in spec.textures for name in (asset.file, *asset.cubefiles)]

@@ -14,7 +14,7 @@ from workbench.core.bound_joints import BoundJoints
 def couple(
     spec: mujoco.MjSpec, coupling: Coupling, solref: Sequence[float], solimp: Sequence[float], file: Path
 ) -> None:
-    """A joint that follows another, as MuJoCo's own constraint.
+    """Add a joint that follows another, as MuJoCo's own equality constraint.
 
     Raises:
         InputError: it follows by more than MuJoCo's polynomial of the fourth degree.
@@ -32,7 +32,8 @@ def couple(
 
 
 def bound_joints(m: mujoco.MjModel, mechanism: Mechanism) -> BoundJoints:
-    """Couplings of a mechanism in its tree as MuJoCo has it, cut open and without a free base.
+    """Return the couplings of a mechanism, for its tree in MuJoCo with loops cut open and without a free
+    base.
 
     Raises:
         InputError: a joint is not in the tree.

@@ -64,7 +64,7 @@ def _to_joint(made: Build, plant: Plant, axis: str, name: str) -> None:
 
 
 def _dry(spec: mujoco.MjSpec, m: mujoco.MjModel) -> None:
-    """All dry friction sets in as it does in the compiled plant, that of the user's file too."""
+    """Make all dry friction set in as it does in the compiled plant, also that of the user's file."""
     for tendon in spec.tendons:
         if tendon.frictionloss:
             k = m.tendon(tendon.name).id
@@ -76,7 +76,7 @@ def _dry(spec: mujoco.MjSpec, m: mujoco.MjModel) -> None:
 
 
 def add_motors(made: Build, model: Model, tendons: list[str]) -> None:
-    """One motor a drive, commanded by its torque; J^T is in the motor's transmission (paper, Eq. 4)."""
+    """Add one motor per drive, commanded by its torque; J^T is in the motor's transmission (paper, Eq. 4)."""
     spec, chain, step = made.spec, made.chain, made.spec.option.timestep
     for index, (axis, tendon) in enumerate(zip(model.axes, tendons, strict=True)):
         joint, coefficient = next(iter(made.rows[axis_tendon(index)].items()))

@@ -44,7 +44,7 @@ class Injection:
         return to_serial(parallel_inertia(*self.linkage, alpha))
 
     def refuse(self, alpha: float) -> None:
-        """Refuse to go on at a knee angle [rad] where the iteration diverges.
+        """Raise if the iteration diverges at a knee angle [rad].
 
         Raises:
             SimulationError: the spectral radius reaches one there; names it and the angle.
@@ -60,7 +60,7 @@ class Injection:
 
 
 def injection(model: Model) -> Injection:
-    """Split the increments of S3N the paper's way.
+    """Return the increments of S3N split as in the paper: simulated implicitly, and injected.
 
     Raises:
         InputError: the model has no parallelogram with a linkage.

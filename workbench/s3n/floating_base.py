@@ -48,7 +48,7 @@ class FloatingBaseError:
 
 
 def floating_base_error(model: Model, variant: str | None = None) -> FloatingBaseError:
-    """Compare the normalised tree with the closed chain, both on a free base.
+    """Return how far the normalised tree is from the closed chain, both on a free base.
 
     Args:
         model: a model that names its closed chain.
@@ -99,7 +99,7 @@ def _share(found: np.ndarray, true: np.ndarray) -> float:
 
 
 def _on_a_free_base(xml: str) -> mujoco.MjModel:
-    """The tree of an MJCF text, hung on a free body of next to no mass; its names begin with `_PREFIX`."""
+    """Return the tree of an MJCF text on a free body of almost no mass; its names begin with `_PREFIX`."""
     outer = mujoco.MjSpec()
     base = free_base(outer)
     inner = mujoco.MjSpec.from_string(xml)

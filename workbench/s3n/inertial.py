@@ -39,7 +39,7 @@ class Inertial:
 
     @property
     def gravcomp(self) -> float:
-        """Share of the weight that is lifted, where one number says it all (`as_one` made it so)."""
+        """Return the share of the weight that gravity compensation carries (`as_one` made it one number)."""
         return 1.0 - self.weight / self.mass if self.mass else 0.0
 
     @property
@@ -79,7 +79,8 @@ def body_inertial(m: mujoco.MjModel, body: int, in_parent: bool) -> Inertial:
 
 
 def as_one(total: Inertial) -> tuple[Inertial, float] | None:
-    """Return the body that has this inertia and these weights, by gravity compensation.
+    """Return the single body with this inertia and these weights, and its gravity compensation; None if none
+    exists.
 
     Returns:
         ``(body, left)``: and the weight [kg] that is left to act at the frame's origin; None where the two
@@ -99,8 +100,8 @@ def as_one(total: Inertial) -> tuple[Inertial, float] | None:
 
 
 def about_a_fixed_axis(total: Inertial) -> Inertial | None:
-    """Return the same for a link that turns about a fixed axis through its origin, with another centre
-    of mass.
+    """Return an equivalent inertial with another centre of mass, for a link that turns about a fixed axis
+    through its origin.
 
     There only the inertia about the axis and the moment of the weights act; both stay. None where no body
     has such an inertia.

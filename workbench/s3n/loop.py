@@ -100,7 +100,7 @@ def loop_spec(
 
 
 def free_base(spec: mujoco.MjSpec) -> mujoco.MjsBody:
-    """Return a free body of next to no mass for a tree to hang on: MuJoCo wants some."""
+    """Return a free body for a tree to hang on; it has almost no mass, because MuJoCo needs some."""
     base = spec.worldbody.add_body(name="free base")
     base.add_freejoint()
     base.explicitinertial, base.mass, base.ipos = True, 1e-9, np.zeros(3)
@@ -111,7 +111,7 @@ def free_base(spec: mujoco.MjSpec) -> mujoco.MjsBody:
 def close_loops(
     m: mujoco.MjModel, model: Model, position: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """State of the cut-open tree with its loops closed, at a state (n,) in serial coordinates.
+    """Return the state of the cut-open tree with its loops closed, at a state (n,) in serial coordinates.
 
     The posture is followed from the mechanism's start, so that it stays on the branch the start is on.
 
@@ -146,7 +146,7 @@ def close_loops(
 
 
 def tree_projection(m: mujoco.MjModel, model: Model, theta: np.ndarray) -> np.ndarray:
-    """d theta / d q_s, (nv, n): how the tree moves with the serial coordinates, its loops closed."""
+    """Return d theta / d q_s, (nv, n): how the tree moves with the serial coordinates, its loops closed."""
     mechanism, data = mechanism_of(model), mujoco.MjData(m)
     data.qpos[:] = theta
     mujoco.mj_kinematics(m, data)
@@ -191,12 +191,12 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
 
 
 def solid(inertia: np.ndarray) -> np.ndarray:
-    """Return an inertia (3, 3) that MuJoCo takes: of a point, as frames are in some files, a little."""
+    """Return an inertia (3, 3) that MuJoCo accepts: a point mass (a frame in some files) gets a small one."""
     if np.linalg.eigvalsh(inertia)[0] > 0.0:
         return inertia
     return inertia + (_POINT - min(0.0, np.linalg.eigvalsh(inertia)[0])) * np.eye(3)
 
 
 def _quat(pose: Pose) -> np.ndarray:
-    """(w, x, y, z)."""
+    """Return the quaternion (w, x, y, z) of a rotation (3, 3)."""
     return Rotation.from_matrix(pose.turn).as_quat(scalar_first=True)

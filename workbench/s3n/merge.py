@@ -1,4 +1,4 @@
-"""Bodies that effects hung on the links become part of the links: a step then costs less."""
+"""Bodies that effects added to the links are merged into the links, which makes a step cheaper."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _links(body: mujoco.MjsBody, own: mujoco.MjsBody) -> Iterator[_Link]:
 
 
 def _merge(spec: mujoco.MjSpec, m: mujoco.MjModel, link: _Link, hung: list[tuple[int, float]]) -> float:
-    """Make one body of a link and what was added; returns the weight [kg] that its parent has to carry."""
+    """Merge a link and what was added to it into one body; return the weight [kg] left to its parent."""
     if not link.added and not hung:
         return 0.0
     total = body_inertial(m, link.ident, in_parent=False)
@@ -84,7 +84,7 @@ def _merge(spec: mujoco.MjSpec, m: mujoco.MjModel, link: _Link, hung: list[tuple
 
 
 def _body(m: mujoco.MjModel, link: int, total: Inertial) -> tuple[Inertial, float] | None:
-    """The one body for a link, and the weight left to its parent; None where there is none."""
+    """Return the one body for a link and the weight left to its parent; None if there is none."""
     joints = slice(m.body_jntadr[link], m.body_jntadr[link] + m.body_jntnum[link])
     pivots = not np.any(m.jnt_pos[joints]) and np.all(m.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE)
     one = as_one(total)
@@ -114,7 +114,7 @@ def _write(body: mujoco.MjsBody, one: Inertial) -> None:
 
 
 def _say_every_inertia(spec: mujoco.MjSpec, m: mujoco.MjModel) -> None:
-    """Where a user's compiler takes every inertia from geoms, write what it took: links can have others."""
+    """Write out the inertias that the user's compiler took from geoms: links can have others now."""
     if spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
         return
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE

@@ -65,7 +65,7 @@ class NormalisedTree:
 def normalise(
     model: Model, variant: str | None = None, integrator: str | None = "implicitfast"
 ) -> NormalisedTree:
-    """Write a model's physics into its serial tree, so that plain MuJoCo simulates it.
+    """Return a model's serial tree with its physics written into it, so that plain MuJoCo simulates it.
 
     Inertia, damping, springs and dry friction of a drive that moves one joint are that joint's; of one that
     moves several, a fixed tendon's. The linkage's inertia is part of the links' own. Every drive has a motor
@@ -114,7 +114,8 @@ def normalise(
 
 
 def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = False) -> Path:
-    """Write the MJCF file, whole or not at all; its meshes and textures are named from there.
+    """Write the MJCF file completely or not at all, and return its path; meshes and textures are relative to
+    it.
 
     Those that do not lie beside or below it are copied to where it lies.
 
@@ -125,7 +126,7 @@ def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = Fa
 
 
 def outside(model: Model, applied: AppliedEffect) -> bool:
-    """Return whether an effect changes a stage of the torque chain that a motor of MuJoCo has not."""
+    """Return whether an effect changes a stage of the torque chain that MuJoCo's motors do not have."""
     alone = Build.of(model)
     effect_named(applied.key.effect).install(alone, model, Placement.of(model, applied.key), applied.values)
     neutral = vars(TorqueChain.of(model))
@@ -140,7 +141,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _keep(spec: mujoco.MjSpec, own: mujoco.MjSpec) -> tuple[str, ...]:
-    """Give the built spec the user's sensors and keyframes back; returns what could not be kept."""
+    """Copy the user's sensors and keyframes into the built spec; return what could not be kept."""
     removed = [f"actuator {a.name or a.id}: drives are the model's" for a in own.actuators]
     for sensor in own.sensors:
         if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR:
@@ -162,7 +163,7 @@ def _copy(source: Any, target: Any, names: Sequence[str]) -> None:
 
 
 def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[str, ...], substeps: int) -> str:
-    """The comment at the top of the file."""
+    """Return the comment at the top of the file."""
     lines = [f" {model.name}, S3N-normalised (variant {model.variant}): written by workbench.", ""]
     lines += [f"   {entry}" for entry in added]
     if left_out:
@@ -179,7 +180,7 @@ def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[str, ...]
 
 
 def _verify(model: Model, plant: mujoco.MjModel, compiled: mujoco.MjModel) -> None:
-    """Hold the file's mass matrix, velocity terms, gravity and damping against the model's.
+    """Raise if mass matrix, velocity terms, gravity or damping of the file differ from the model's.
 
     Raises:
         SimulationError: they differ by more than rounding.

@@ -63,7 +63,7 @@ class LinksOnDrives:
 
 
 def on_drives(model: Model) -> Model:
-    """Return a model as its drives feel it; the model itself where its transmission is constant."""
+    """Return a model in the coordinates of its drives; the model itself if its transmission is constant."""
     if not model.posture_dependent:
         return model
     return replace(
@@ -77,7 +77,7 @@ def on_drives(model: Model) -> Model:
 
 
 def off_drives(found: Model, given: Model) -> Model:
-    """Return the result of a search on `on_drives` of a model as that model with the same effects."""
+    """Return what a search found on `on_drives` of a model, as that model with the same effects."""
     if found.carried is None:
         return found
     return replace(
@@ -92,13 +92,13 @@ def off_drives(found: Model, given: Model) -> Model:
 
 @cache
 def _folder() -> TemporaryDirectory[str]:
-    """Kept until the process ends: a model names the file of its tree."""
+    """Return a folder that is kept until the process ends: a model names the file of its tree."""
     return TemporaryDirectory(prefix="workbench-drives-")
 
 
 @cache
 def _rotors(axes: tuple[str, ...], units: tuple[str, ...]) -> Path:
-    """An MJCF of one body per drive and nothing else."""
+    """Write an MJCF with one body per drive and nothing else; return its path."""
     bodies = "".join(
         f'<body><joint name="{axis}" type="{"hinge" if unit == "rad" else "slide"}" axis="0 0 1"/>'
         f'<inertial pos="0 0 0" mass="{_GRAIN}" diaginertia="{_GRAIN} {_GRAIN} {_GRAIN}"/></body>'

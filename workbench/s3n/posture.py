@@ -55,7 +55,7 @@ class Terms:
         return along - 0.5 * np.einsum("nijk,nj,nk->ni", self.slope, v, v)
 
     def drive_rate(self, v: np.ndarray) -> np.ndarray:
-        """J' v (N, n): what the drives accelerate by when the joints move evenly."""
+        """Return J' v (N, n): the drives' acceleration if the joints move at constant rate."""
         return np.einsum("naij,ni,nj->na", self.curvature, v, v)
 
     def pulled_back(self, drives: np.ndarray) -> np.ndarray:
@@ -126,7 +126,7 @@ class PostureDependent:
         )
 
     def dynamics(self, q: np.ndarray, v: np.ndarray | None = None) -> PostureDynamics:
-        """Everything at positions `q` and rates `v` (N, n), at rest where `v` is left out.
+        """Return all terms at positions `q` and rates `v` (N, n); without `v`, at rest.
 
         Raises:
             SimulationError: a posture outside the limits; names its joint.
@@ -166,7 +166,7 @@ class PostureDependent:
         return np.all(within, axis=1)
 
     def nearest_inside(self, q: np.ndarray) -> np.ndarray:
-        """Postures (N, n); those a little outside the limits are moved to them, where things go on as there.
+        """Return postures (N, n) with those a little outside the limits moved onto them.
 
         Raises:
             SimulationError: one that is further outside, or NaN.
@@ -178,7 +178,7 @@ class PostureDependent:
         return inside
 
     def check(self, q: np.ndarray) -> None:
-        """Refuse postures (N, n) outside the limits.
+        """Raise if one of the postures (N, n) lies outside the limits.
 
         Raises:
             SimulationError: names the first joint that is, its position and its limits.
@@ -197,7 +197,7 @@ class PostureDependent:
         )
 
     def _solve(self, tree: SerialTree | None, tolerance: float) -> Series:
-        """Series of the links' inertia, potential energy and drive positions."""
+        """Return series of the links' inertia, potential energy and drive positions."""
         chain = PostureChain(self.model, links_only=True)
         sides: set[bool] = set()
 
@@ -230,14 +230,14 @@ class PostureDependent:
         return found
 
     def _least(self, chain: PostureChain) -> np.ndarray:
-        """A thousandth of what mass and weight are in all: of what is far less only rounding may be left."""
+        """Return a thousandth of the total mass and weight; below it, a term may be rounding only."""
         at = chain.dynamics(self.box.mean(axis=1))
         mass = float(np.abs(at.mass).max())
         pull = max(float(np.abs(at.gravity).max()), float(np.abs(at.potential).max()))
         return 1e-3 * np.array([*[mass] * len(self._upper[0]), pull or 1.0, *[1.0] * self.model.size])
 
     def _square(self, upper: np.ndarray) -> np.ndarray:
-        """Symmetric matrices (..., n, n) from their upper triangles (..., n (n + 1) / 2)."""
+        """Return symmetric matrices (..., n, n) from their upper triangles (..., n (n + 1) / 2)."""
         n = self.model.size
         out = np.empty((*upper.shape[:-1], n, n))
         i, j = self._upper

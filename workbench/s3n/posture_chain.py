@@ -45,7 +45,7 @@ class PostureDynamics:
 
 
 class PostureChain:
-    """A closed chain's dynamics to rounding, one Newton solution a state (some 0.2 ms).
+    """The dynamics of a closed chain, exact to rounding; one Newton solution per state (about 0.2 ms).
 
     Args:
         model: names the closed chain and its drives.
@@ -63,7 +63,7 @@ class PostureChain:
         self._drag = weight * np.array(model.actuators.damping)
 
     def dynamics(self, q: np.ndarray, v: np.ndarray | None = None) -> PostureDynamics:
-        """Everything at positions `q` and rates `v` (N, n), at rest where `v` is left out.
+        """Return all terms at positions `q` and rates `v` (N, n); without `v`, at rest.
 
         Raises:
             SimulationError: a state where the loops cannot be closed, or that is singular; names the joints.
@@ -90,7 +90,7 @@ class PostureChain:
         return self.dynamics(q).jacobian
 
     def margin(self, q: np.ndarray) -> np.ndarray:
-        """Return how far `q` (N, n) are from a singular posture (N,), 1 at best and 0 there."""
+        """Return the distance of `q` (N, n) from a singular posture (N,): 1 at best, 0 there."""
         return np.array([self._closure.at(row).margin for row in np.atleast_2d(q)])
 
     def _state(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray | float, ...]:

@@ -1,4 +1,5 @@
-"""A mechanism's loops closed in MuJoCo at serial joint positions: which way the rest of it goes.
+"""A mechanism's loops closed in MuJoCo at serial joint positions, on the branch that the start posture lies
+on.
 
 The loops are cut, which leaves a tree with coordinates theta (N,); `core.closure` solves them with the serial
 joints as independent coordinates. Where phi_d loses rank the joints do not determine the drives; where J, the
@@ -94,15 +95,19 @@ class LoopClosure:
 
     @property
     def start(self) -> ClosedPosture:
-        """The closed posture from which all others are reached."""
+        """Return the closed posture from which all others are reached."""
         return self._closure.at(self._begun)
 
     def along(self, origin: ClosedPosture, q: np.ndarray) -> ClosedPosture | None:
-        """The closed posture at serial positions `q` (n,), straight from `origin`; None where that fails."""
+        """Return the closed posture at serial positions `q` (n,), reached straight from `origin`; None if
+        that fails.
+        """
         return self._closure.along(origin, q)
 
     def gamma(self, posture: Posture, rates: np.ndarray) -> np.ndarray:
-        """Acceleration of the tree (N,) at a posture and rates (N,) and no acceleration of the joints."""
+        """Return the acceleration of the tree (N,) at a posture and rates (N,) while the joints do not
+        accelerate.
+        """
         self.data.qvel[:] = rates
         mujoco.mj_comVel(self.m, self.data)
         return self._closure.gamma(posture.inverse)
@@ -140,7 +145,7 @@ class LoopClosure:
         return np.concatenate([*out, self._bound.bias(d.qpos, d.qvel)])
 
     def _first(self, q: np.ndarray) -> Closure:
-        """The loops, closed at the posture from which all others are reached."""
+        """Return the loops, closed at the posture from which all others are reached."""
         try:
             near = close_loops(self.m, self.model, q, np.zeros_like(q))[0]
             theta = Closure(self, self.serial, near).solve(near)
@@ -162,7 +167,7 @@ class LoopClosure:
         return closure
 
     def _regular(self, found: ClosedPosture) -> tuple[str, Posture | None]:
-        """A posture, or why it is singular."""
+        """Return the posture, or why it is singular."""
         if found.slope is not None and found.inverse is not None:
             jacobian = found.slope[self.drives]
             own = np.linalg.svd(jacobian, compute_uv=False)
@@ -175,7 +180,7 @@ class LoopClosure:
 
 
 def workspace(model: Model) -> np.ndarray:
-    """Lower and upper limit of each serial joint (n, 2) [rad or m].
+    """Return the lower and upper limit of each serial joint (n, 2) [rad or m].
 
     Raises:
         InputError: the closed chain states none.
@@ -190,12 +195,12 @@ def workspace(model: Model) -> np.ndarray:
 
 
 def say(model: Model, q: np.ndarray) -> str:
-    """Serial positions (n,) by joint, for messages: ``hip = 0.4, knee = 2.6 rad``."""
+    """Return serial positions (n,) by joint, for messages: ``hip = 0.4, knee = 2.6 rad``."""
     return ", ".join(f"{name} = {x:.4g}" for name, x in zip(model.joints, q, strict=True))
 
 
 def _start(model: Model) -> np.ndarray:
-    """Serial positions to begin at: the start posture; the middle of the limits where J is constant."""
+    """Return serial positions to begin at: the start posture; the middle of the limits where J is constant."""
     mechanism = mechanism_of(model)
     known = dict(mechanism.start)
     stated = np.array([known.get(name, 0.0) for name in mechanism.joints])

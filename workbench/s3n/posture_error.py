@@ -82,13 +82,13 @@ def workspace_grid(box: np.ndarray) -> np.ndarray:
 
 
 def relative_inertia(mass: np.ndarray, real: np.ndarray) -> np.ndarray:
-    """Relative errors of the inertia by direction (N, n): eigenvalues of M^-1 M' less one."""
+    """Return relative errors of the inertia by direction (N, n): eigenvalues of M^-1 M' minus one."""
     white = np.linalg.inv(np.linalg.cholesky(real))
     return np.linalg.eigvalsh(white @ (mass - real) @ white.transpose(0, 2, 1))
 
 
 def _share(off: np.ndarray, whole: np.ndarray) -> float:
-    """Root mean square of an error relative to that of the whole."""
+    """Return the root mean square of an error relative to that of the total."""
     scale = float(np.sqrt(np.mean(whole**2)))
     return float(np.sqrt(np.mean(off**2))) / scale if scale > 0.0 else float(np.abs(off).max(initial=0.0))
 

@@ -1,4 +1,4 @@
-"""A posture-dependent mechanism as plain MJCF for anybody's pipeline, with what it is off by stated in it."""
+"""A posture-dependent mechanism as plain MJCF for any training pipeline, with its errors stated in the file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def fit_native(
     integrator: str | None = "implicitfast",
     chain: PostureDependent | None = None,
 ) -> FittedTree:
-    """Fit a model's serial tree to its closed chain; takes some seconds.
+    """Return a model's serial tree fitted to its closed chain; takes some seconds.
 
     The links' inertials are chosen anew, each drive is a tendon in space whose length is the drive's
     position, with rotor, drag and motor, and weight that hangs on a drive is a spring's, which is right while
@@ -109,7 +109,7 @@ def fit_native(
 
 
 def left_out(model: Model) -> tuple[str, ...]:
-    """Effects of a model that its fit has not."""
+    """Return the effects of a model that its fit does not contain."""
     there = on_drives(model)
     return tuple(
         str(e.key)
@@ -121,7 +121,7 @@ def left_out(model: Model) -> tuple[str, ...]:
 def _put_effects(
     at_drives: Build, drive: int, spec: mujoco.MjSpec, tendon: str, model: Model, row: np.ndarray
 ) -> None:
-    """What effects add to one drive, on its tendon in the file, or on the joint that it is."""
+    """Write the effects of one drive onto its tendon in the file, or onto the joint that it drives."""
     own, rotor = at_drives.spec.tendon(axis_tendon(drive)), at_drives.spec.joint(model.axes[drive])
     joint = int(np.abs(row).argmax())
     there = spec.tendon(tendon) if tendon else spec.joint(model.joints[joint])
@@ -136,7 +136,7 @@ def _put_effects(
 
 
 def _is_spring(there: Model, applied: AppliedEffect) -> bool:
-    """Whether an effect is stiffness of a drive, whose tendon has springs of its own for the weight."""
+    """Return whether an effect is a drive's stiffness; its tendon already has springs for the weight."""
     alone = Build.of(there)
     effect_named(applied.key.effect).install(alone, there, Placement.of(there, applied.key), applied.values)
     return any(np.any(t.stiffness) for t in alone.spec.tendons)
@@ -156,7 +156,7 @@ def error_lines(error: PostureError) -> list[str]:
 
 
 def _header(model: Model, error: PostureError, offsets: np.ndarray) -> str:
-    """The comment at the top of the file."""
+    """Return the comment at the top of the file."""
     shifts = ", ".join(f"{axis} {x:.9g}" for axis, x in zip(model.axes, offsets, strict=True))
     lines = [
         f" {model.name}, a mechanism whose transmission depends on the posture, fitted over its limits:",

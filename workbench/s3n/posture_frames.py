@@ -1,4 +1,6 @@
-"""Points fixed to the bodies of a serial tree, at many postures at once, linear in where they are fixed."""
+"""Points fixed to the bodies of a serial tree, at many postures at once; positions are linear in the points'
+coordinates.
+"""
 
 from __future__ import annotations
 
@@ -94,7 +96,8 @@ def frames(m: mujoco.MjModel, model: Model, q: np.ndarray) -> Frames:
 
 
 def _basis(m: mujoco.MjModel, data: mujoco.MjData, model: Model, turn: np.ndarray) -> np.ndarray:
-    """Free directions (B, 3, m) in the frames of bodies that are turned by `turn` (B, 3, 3).
+    """Return the free directions (B, 3, m) of a point, in the frames of bodies with rotations `turn` (B, 3,
+    3).
 
     They depend on the bodies alone: points keep their coordinates from one set of postures to another.
     """
@@ -107,7 +110,7 @@ def _basis(m: mujoco.MjModel, data: mujoco.MjData, model: Model, turn: np.ndarra
 
 
 def _across(normal: np.ndarray) -> np.ndarray:
-    """Two directions (3, 2) at right angles to a unit vector and to each other."""
+    """Return two directions (3, 2) at right angles to a unit vector and to each other."""
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(normal, first)], axis=1)

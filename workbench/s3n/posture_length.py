@@ -77,7 +77,7 @@ class Branches:
 
 @dataclass(frozen=True)
 class Goal:
-    """The gradient that a tendon shall have, at N postures.
+    """The gradient that a tendon should have, at N postures.
 
     Attributes:
         frames: of the bodies.
@@ -96,7 +96,7 @@ class Goal:
 
 
 def fit_length(goal: Goal, branches: int, seed: int) -> tuple[Branches, float]:
-    """Branches whose sum has a gradient as near as possible to the wanted one.
+    """Return the branches whose summed length has the gradient nearest to the wanted one, and the error left.
 
     Args:
         goal: the gradient.
@@ -184,7 +184,8 @@ class _Problem:
 
 
 def _gaps(distance: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How much branches lack of the least length (K,), and its derivatives to all numbers (K, X).
+    """Return how much shorter than the least length branches are (K,), and the derivatives to all numbers (K,
+    X).
 
     Args:
         distance: (K, N).
@@ -203,7 +204,7 @@ def _gaps(distance: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def strongest(columns: np.ndarray, wanted: np.ndarray, count: int | None = None) -> np.ndarray:
-    """Nonnegative weights (K,) for which ``columns @ weights`` is nearest to `wanted`.
+    """Return nonnegative weights (K,) for which ``columns @ weights`` is nearest to `wanted`.
 
     With `count` at most so many are not zero: the weakest go, some at a time, and the rest are found anew.
     """
@@ -221,5 +222,5 @@ def strongest(columns: np.ndarray, wanted: np.ndarray, count: int | None = None)
 
 
 def _turned(metric: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Metric (N, n, n) applied to vectors (..., N, n)."""
+    """Return the metric (N, n, n) applied to vectors (..., N, n)."""
     return np.einsum("nij,...nj->...ni", metric, vectors)

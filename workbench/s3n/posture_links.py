@@ -1,5 +1,4 @@
-"""Inertia that links, joints and drives have to carry so that a tree has inertia and weight of a
-mechanism.
+"""The inertia that links, joints and drives must carry so that a tree has a mechanism's inertia and weight.
 
 With each drive on a tendon whose length is its position, the omitted links add what a choice of these adds:
 point masses on the links (any density is a sum of them), more rotor inertia on the drives (a crank turns with
@@ -35,7 +34,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Carried:
-    """The result of the choice.
+    """The inertia that links, joints and drives are chosen to carry, and the springs beside it.
 
     Attributes:
         links: of the bodies that carry the joints, the world left out.
@@ -79,7 +78,7 @@ class Wanted:
 
 
 def carry(wanted: Wanted, seed: int = 3) -> Carried:
-    """Return the nearest choice."""
+    """Return the bodies, rotors and springs that come nearest to the wanted inertia and weight."""
     w, f = wanted, wanted.frames
     generator = np.random.default_rng(seed)
     n, links = w.mass.shape[1], range(1, len(f.bodies))
@@ -114,7 +113,9 @@ def carry(wanted: Wanted, seed: int = 3) -> Carried:
 
 
 def _columns(w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int]) -> np.ndarray:
-    """Errors (K, R) that one unit of each choice makes: of inertia, of weight, of the mass, its price."""
+    """Return the change (K, R) that one unit of each choice makes: in inertia, weight, total mass, and its
+    penalty.
+    """
     white = np.linalg.inv(np.linalg.cholesky(w.whole))
     share = 1.0 / np.sqrt(len(w.mass))
     turned = share * (white @ inertia @ white.transpose(0, 2, 1)).reshape(len(inertia), -1)
@@ -127,7 +128,7 @@ def _columns(w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int])
 
 
 def _goal(w: Wanted, sizes: list[int]) -> np.ndarray:
-    """What the choices have to add up to (R,)."""
+    """Return what the choices have to add up to (R,)."""
     white = np.linalg.inv(np.linalg.cholesky(w.whole))
     share = 1.0 / np.sqrt(len(w.mass))
     turned = share * (white @ w.mass @ white.transpose(0, 2, 1)).ravel()
@@ -136,18 +137,18 @@ def _goal(w: Wanted, sizes: list[int]) -> np.ndarray:
 
 
 def _scale(w: Wanted) -> float:
-    """What a torque of gravity counts relative to [N m]."""
+    """Return the torque of gravity that errors are divided by [N m]."""
     return max(float(np.sqrt(np.mean(w.gravity**2))), 1e-9)
 
 
 def _scales(coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middle and half width of each spring's coordinate (S,)."""
+    """Return middle and half width of each spring's coordinate (S,)."""
     low, high = coordinates.min(axis=1), coordinates.max(axis=1)
     return (low + high) / 2.0, np.maximum((high - low) / 2.0, 1e-12)
 
 
 def _unscaled(coefficients: np.ndarray, middle: float, half: float) -> np.ndarray:
-    """Coefficients in x of a polynomial in (x - middle) / half."""
+    """Return coefficients in x of a polynomial in (x - middle) / half."""
     scaled = np.polynomial.Polynomial(coefficients, domain=[middle - half, middle + half], window=[-1.0, 1.0])
     out = np.zeros(_DEGREE + 1)
     converted = scaled.convert().coef
@@ -156,7 +157,7 @@ def _unscaled(coefficients: np.ndarray, middle: float, half: float) -> np.ndarra
 
 
 def _body(w: Wanted, number: int, masses: np.ndarray, points: np.ndarray) -> Body:
-    """Point masses as one body that MuJoCo takes: with some thickness, and no inertia of zero."""
+    """Return point masses as one body that MuJoCo accepts: with some thickness, so that no inertia is zero."""
     mass = float(masses.sum())
     least = 1e-3 * max(w.total, 1e-6)
     if mass < least:

@@ -15,7 +15,7 @@ from .posture_native import CONSTANT, Fit
 
 
 def write_fit(found: Fit, spec: mujoco.MjSpec) -> list[str]:
-    """Write a fit into the model's own MJCF; gives the tendon of each drive, empty where a joint is one."""
+    """Write a fit into the model's own MJCF; return each drive's tendon, empty if a joint is the drive."""
     model, carried = found.chain.model, found.carried
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
     for name, link in zip(found.bodies[1:], carried.links, strict=True):
@@ -61,7 +61,7 @@ def _inertial(body: Any, link: Body) -> None:
 
 
 def _rank_ones(matrix: np.ndarray) -> list[tuple[float, np.ndarray]]:
-    """A positive semidefinite matrix as sum of value times row^T row, joints alone where it can be."""
+    """Return a positive semidefinite matrix as a sum of value times row^T row, single joints where possible."""
     left, out = matrix.copy(), []
     for i in range(len(left)):
         value = float(left[i, i])
@@ -82,7 +82,7 @@ def _fixed(spec: mujoco.MjSpec, model: Model, name: str, row: np.ndarray) -> Any
 
 
 def _in_space(spec: mujoco.MjSpec, found: Fit, name: str, branches: Branches) -> Any:
-    """A tendon of branches between new sites, each behind a pulley that holds its weight."""
+    """Add a tendon of branches between new sites, each behind a pulley that applies its weight; return it."""
     tendon = spec.add_tendon(name=name)
     tendon.rgba = [0.0, 0.0, 0.0, 0.0]
     rows = zip(branches.bodies, branches.points, branches.weights, strict=True)
@@ -97,7 +97,9 @@ def _in_space(spec: mujoco.MjSpec, found: Fit, name: str, branches: Branches) ->
 
 
 def _spring(coefficients: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """Stiffness (3,) and rest of the spring whose torque has these coefficients of 1, x, x^2, x^3."""
+    """Return stiffness (3,) and rest length of the spring whose torque has these coefficients of 1, x, x^2,
+    x^3; None where all are zero.
+    """
     largest = float(np.abs(coefficients).max())
     if largest == 0.0:
         return None

@@ -1,4 +1,5 @@
-"""What a serial tree has to hold to move like a posture-dependent mechanism, with nothing done at any step.
+"""What is written into a serial tree so that it moves like a posture-dependent mechanism without work at each
+step.
 
 Each drive is a tendon whose length is the drive's position as nearly as a sum of distances can be
 (`posture_length`), with the rotor as its armature. Links, rotors and springs carry the rest
@@ -52,7 +53,7 @@ class Fit:
 
 
 def fit(chain: PostureDependent, branches: int = 8) -> Fit:
-    """Fit a mechanism over its workspace; some seconds.
+    """Return the numbers that fit a tree to a mechanism over its workspace; takes some seconds.
 
     Args:
         chain: the mechanism.
@@ -98,7 +99,7 @@ def fit(chain: PostureDependent, branches: int = 8) -> Fit:
 
 
 def _length(goal: Goal, branches: int) -> Branches:
-    """The best of some starts, or the first that is good enough."""
+    """Return the best of some starts, or the first that is good enough."""
     best, least = None, np.inf
     for seed in range(_STARTS):
         found, error = fit_length(goal, branches, seed)
@@ -111,13 +112,13 @@ def _length(goal: Goal, branches: int) -> Branches:
 
 
 def _is_drive(rows: np.ndarray, tendons: tuple[Branches | None, ...], joint: int) -> bool:
-    """Whether a joint is a drive, up to a constant factor."""
+    """Return whether a joint is a drive, up to a constant factor."""
     alone = [np.count_nonzero(np.abs(row) > CONSTANT) == 1 and abs(row[joint]) > CONSTANT for row in rows]
     return any(only and t is None for only, t in zip(alone, tendons, strict=True))
 
 
 def _nodes(box: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Chebyshev's nodes (N, n), dense where errors are largest; what differentiates there, n of (N, N)."""
+    """Return Chebyshev nodes (N, n), denser where errors are largest, and n differentiation matrices (N, N)."""
     count = _NODES[len(box)]
     x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
     axes = [(low + high) / 2.0 + (high - low) / 2.0 * x for low, high in box]
@@ -129,7 +130,9 @@ def _nodes(box: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
 
 
 def _slope(x: np.ndarray) -> np.ndarray:
-    """What differentiates the polynomial through values at `x` (K,), (K, K), by barycentric weights."""
+    """Return the differentiation matrix (K, K) of the polynomial through values at `x` (K,), by barycentric
+    weights.
+    """
     apart = x[:, None] - x + np.eye(len(x))
     weights = 1.0 / apart.prod(axis=1)
     out = weights / weights[:, None] / apart
@@ -140,7 +143,7 @@ def _slope(x: np.ndarray) -> np.ndarray:
 def _beside_the_links(
     m: mujoco.MjModel, model: Model, f: Frames, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Inertia (N, n, n) and weight (N, n) of what the fit leaves alone.
+    """Return inertia (N, n, n) and weight (N, n) of the parts that the fit does not change.
 
     That is everything but the inertials of the bodies that carry the joints: armatures of the MJCF's own, and
     bodies fixed to the links.
@@ -161,6 +164,8 @@ def _beside_the_links(
 
 
 def _centre_jacobian(f: Frames, body: int, centre: np.ndarray) -> np.ndarray:
-    """d centre / d q (N, 3, n) in axes of the body, up to what no torque of a plane mechanism feels."""
+    """Return d centre / d q (N, 3, n) in the body's axes, without the direction that a planar mechanism
+    cannot feel.
+    """
     _, jacobian = f.place(np.array([body]), (centre @ f.basis[body])[None])
     return jacobian[0]

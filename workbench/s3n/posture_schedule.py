@@ -1,4 +1,4 @@
-"""The serial tree with what a posture-dependent mechanism adds to it written into its fields at every step.
+"""What a posture-dependent mechanism adds to its serial tree, written into the tree's fields at every step.
 
 The difference between closed chain and serial tree is a symmetric matrix dM(q) that depends on the posture.
 Joint armatures and one fixed tendon a pair of joints, coefficients (1, 1), hold any such matrix:
@@ -75,7 +75,7 @@ class Schedule:
         inertia: np.ndarray | None = None,
         damping: np.ndarray | None = None,
     ) -> Fields:
-        """Fields for positions `q` and rates `v` (N, n) in serial coordinates.
+        """Return the fields for positions `q` and rates `v` (N, n) in serial coordinates.
 
         Args:
             q, v: states (N, n).
@@ -103,7 +103,7 @@ class Schedule:
         return Fields(own[0], own[1], across[0], across[1], on_joints - t.link_bias(v) + t.gravity)
 
     def check(self, q: np.ndarray) -> None:
-        """Refuse positions (N, n) outside the limits, unless `beyond` is ``hold``.
+        """Raise if positions (N, n) lie outside the limits, unless `beyond` is ``hold``.
 
         Raises:
             SimulationError: names the joint, its position and its limits.
@@ -135,5 +135,5 @@ class Schedule:
 
 
 def pair_tendon(i: int, j: int) -> str:
-    """Name of the tendon that holds entry (i, j)."""
+    """Return the name of the tendon that holds entry (i, j)."""
     return f"posture:{i}:{j}"

@@ -33,7 +33,7 @@ class Series:
     coefficients: np.ndarray
 
     def __call__(self, q: np.ndarray) -> np.ndarray:
-        """Values (N, K) at `q` (N, n), which has to lie in the box."""
+        """Return values (N, K) at `q` (N, n), which has to lie in the box."""
         middle, half = self.box.mean(axis=1), (self.box[:, 1] - self.box[:, 0]) / 2.0
         angle = np.arccos(np.clip((q - middle) / half, -1.0, 1.0))
         flat = self.coefficients.reshape(-1, self.coefficients.shape[-1])
@@ -48,7 +48,7 @@ class Series:
         return out
 
     def slope(self, axis: int) -> Series:
-        """Derivatives of all functions to one angle."""
+        """Return the derivatives of all functions with respect to one angle."""
         half = (self.box[axis, 1] - self.box[axis, 0]) / 2.0
         found = chebyshev.chebder(self.coefficients, axis=axis) / half
         if found.shape[axis] == 0:
@@ -61,7 +61,7 @@ class Series:
 
 
 def together(parts: Sequence[Series]) -> Series:
-    """Series over one box as one, so that their polynomials are evaluated once."""
+    """Return several series over one box as one series, so that their polynomials are evaluated once."""
     sizes = np.max([p.coefficients.shape[:-1] for p in parts], axis=0)
     padded = []
     for part in parts:
@@ -77,7 +77,7 @@ def tabulate(
     tolerance: float,
     least: np.ndarray | float = 1e-300,
 ) -> Series | None:
-    """Return the series of a function, as long as its accuracy needs.
+    """Return the series of a function to the wanted accuracy; None if it does not converge.
 
     Args:
         function: from angles (N, n) to values (N, K).
@@ -112,7 +112,7 @@ def tabulate(
 def _interpolate(
     function: Callable[[np.ndarray], np.ndarray], box: np.ndarray, sizes: Sequence[int]
 ) -> Series:
-    """Interpolation at the products of Chebyshev nodes."""
+    """Return the interpolation at the products of Chebyshev nodes."""
     nodes = [np.cos(np.pi * (np.arange(size) + 0.5) / size) for size in sizes]
     middle, half = box.mean(axis=1), (box[:, 1] - box[:, 0]) / 2.0
     # every other row backwards, so that each posture is a neighbour of the one before

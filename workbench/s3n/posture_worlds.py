@@ -45,7 +45,7 @@ class ScheduledWorld(World):
         settle(self.m)
 
     def advance(self, torque: np.ndarray, steps: int) -> None:
-        """Take `steps` steps under a torque on the drives (n,).
+        """Take `steps` steps with a constant torque on the drives (n,).
 
         Raises:
             SimulationError: a joint leaves its limits; says when.
@@ -58,7 +58,9 @@ class ScheduledWorld(World):
             done += count
 
     def acceleration(self, position: np.ndarray, velocity: np.ndarray, torque: np.ndarray) -> np.ndarray:
-        """What MuJoCo makes of a state and a torque on the drives, (n,) each; the world is left there."""
+        """Return MuJoCo's acceleration (n,) for a state and a torque on the drives; the world stays at that
+        state.
+        """
         self.put(position, velocity)
         self.data.qacc[:] = 0.0
         self._write(torque)
@@ -83,12 +85,13 @@ class ScheduledWorld(World):
 
 
 def look_ahead(step: float, integrator: str, hold: int) -> float:
-    """Time [s] from a write to the middle of the evaluations that it holds for."""
+    """Return the time [s] from a write to the middle of the evaluations that use it."""
     return step * (hold if integrator == "RK4" else hold - 1) / 2.0
 
 
 def looking_ahead(q: np.ndarray, v: np.ndarray, a: np.ndarray, ahead: float) -> State:
-    """Positions and rates (N, n) a time `ahead` [s] later, with the acceleration `a` of the step before.
+    """Return positions and rates (N, n) at a time `ahead` [s] later, by the acceleration `a` of the preceding
+    step.
 
     Off by the square of the step where the torque does not jump, so that what is held over a step errs by
     the step's square.
@@ -101,5 +104,5 @@ def _tendons(m: mujoco.MjModel, schedule: Schedule) -> np.ndarray:
 
 
 def settle(m: mujoco.MjModel) -> None:
-    """Let MuJoCo's own scales of constraints follow what is written."""
+    """Let MuJoCo recompute its own scales of constraints after the fields were written."""
     mujoco.mj_setConst(m, mujoco.MjData(m))

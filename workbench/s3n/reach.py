@@ -1,4 +1,4 @@
-"""How much of a mechanism's limits it can be used in: ranges in files often go on past dead points.
+"""The part of a mechanism's limits that can be used: ranges in files often go on past dead points.
 
 From a posture amid what is reached a box grows face by face until the limits, or until a posture on its face
 cannot be reached or is near a dead point: one where the loops no longer determine the drives, or the drives
@@ -31,7 +31,7 @@ _TRIES, _BACK = 4, 0.05  # times that sides are drawn in, and by how much of the
 
 @dataclass(frozen=True)
 class Reach:
-    """Limits that a mechanism can be used in.
+    """The limits within which a mechanism can be used.
 
     Attributes:
         box: lower and upper limit of each serial joint (n, 2) [rad or m].
@@ -42,14 +42,14 @@ class Reach:
     left_out: tuple[str, ...] = ()
 
     def of(self, model: Model) -> Model:
-        """The model with these limits."""
+        """Return the model with these limits."""
         assert model.closed_chain is not None
         limits = tuple((float(low), float(high)) for low, high in self.box)
         return replace(model, closed_chain=replace(model.closed_chain, limits=limits))
 
 
 def reach(model: Model, kept: Sequence[str] = ()) -> Reach:
-    """The stated limits where they can be used as they are, else a box inside them that can.
+    """Return the stated limits if all of them can be used, else the box inside them that can.
 
     Args:
         model: its transmission changes with the posture; of more than three drives limits are as stated.
@@ -118,7 +118,7 @@ class _Growth:
         return box, stopped
 
     def _face(self, box: np.ndarray, axis: int, side: int) -> str:
-        """Why some posture on a face cannot be used; empty where all can."""
+        """Return why a posture on a face cannot be used; empty if all can."""
         count = _FACE[len(box)]
         ends = [
             [box[i, side]] if i == axis else np.linspace(box[i, 0], box[i, 1], count if np.ptp(box[i]) else 1)
@@ -128,7 +128,7 @@ class _Growth:
         return next((why for why in whys if why), "")
 
     def _way(self, joint: int) -> list[Posture]:
-        """Postures on the straight ways from the start to both limits of a joint, as far as they lead."""
+        """Return postures straight from the start to both limits of a joint, as far as they can be closed."""
         found = []
         for end in self._stated[joint]:
             at: Posture | None = self._origin
@@ -142,7 +142,9 @@ class _Growth:
         return found
 
     def _measures(self, at: Posture) -> np.ndarray:
-        """How far from a dead point of the loops, and of the drives, whose sign is its side."""
+        """Return distances from a dead point of the loops and of the drives; a change of sign is a dead point
+        passed.
+        """
         assert at.slope is not None
         return np.array([at.margin, float(np.linalg.det(at.slope[self._loops.drives]))])
 
@@ -156,7 +158,7 @@ class _Growth:
 
 
 def _usable(model: Model, box: np.ndarray) -> bool:
-    """Whether all that is made of a mechanism can be made in a box."""
+    """Return whether everything that is derived from a mechanism can be derived in a box."""
     try:
         PostureDependent(Reach(box).of(model), tolerance=1e-9)
     except InputError:
@@ -165,7 +167,7 @@ def _usable(model: Model, box: np.ndarray) -> bool:
 
 
 def _rounded(box: np.ndarray) -> np.ndarray:
-    """Both ends drawn in to a number that can be read."""
+    """Return both ends moved inwards to a number with few digits."""
     scale = 10.0**_DIGITS
     return np.stack([np.ceil(scale * box[:, 0]), np.floor(scale * box[:, 1])], axis=1) / scale
 

@@ -1,4 +1,4 @@
-"""One way to run every variant: torques held over control periods, or a law that gives them."""
+"""Runs of every variant: torques held over control periods, or a law that computes them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def run_variant(
     constraint: ConstraintSettings | None = None,
     strict: bool = True,
 ) -> VariantRun:
-    """Run a variant of a model under torques that are held over control periods.
+    """Return the run of a variant of a model under torques that are held over control periods.
 
     What stands between a command and the drives (delay, limit, gain, bias) is not applied.
 

@@ -25,11 +25,11 @@ class Pose:
     at: np.ndarray
 
     def then(self, inner: Pose) -> Pose:
-        """Return a pose given in this frame, in the frame that this one is given in."""
+        """Return a pose that is given in this frame, in this frame's own parent frame."""
         return Pose(self.turn @ inner.turn, self.at + self.turn @ inner.at)
 
     def back(self) -> Pose:
-        """Return the outer frame seen from this one."""
+        """Return the inverse: the parent frame seen from this frame."""
         return Pose(self.turn.T, -self.turn.T @ self.at)
 
 
@@ -86,7 +86,7 @@ class SdfTree:
 
     @property
     def mass(self) -> float:
-        """Sum of the links' masses [kg]."""
+        """Return the sum of the links' masses [kg]."""
         return sum(link.mass for link in self.links)
 
     def frame(self, name: str) -> Frame:
@@ -106,7 +106,7 @@ class SdfTree:
 
 
 def read_sdf(file: Path) -> SdfTree:
-    """Read the first model of an SDF file.
+    """Return the first model of an SDF file.
 
     Raises:
         InputError: not an SDF file, or something in it that a tree of hinges and slides has not.
@@ -141,7 +141,7 @@ class _Reader:
         return SdfTree(self.file, links, (*joints, *based(links, joints)), frames)
 
     def _place(self, name: str) -> Pose:
-        """Pose of a named element in the model's frame."""
+        """Return the pose of a named element in the model's frame."""
         if name in _WORLD:
             return HERE
         if name not in self.placed:
@@ -181,7 +181,7 @@ class _Reader:
         return Joint(name, kind, None if parent in _WORLD else parent, child, place, coordinates)
 
     def _axis(self, element: ElementTree.Element, key: str) -> np.ndarray:
-        """An axis (3,) in the joint's frame."""
+        """Return an axis (3,) in the joint's frame."""
         xyz = element.find(f"{key}/xyz")
         axis = np.array([float(x) for x in (_text(element, f"{key}/xyz", "0 0 1")).split()])
         expressed = xyz.get("expressed_in") if xyz is not None else None
@@ -201,7 +201,7 @@ class _Reader:
 
 
 def based(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Joint, ...]:
-    """Joints that hold bases, which hang on nothing, where they are."""
+    """Return joints that fix links without a parent to the world, where they are."""
     held = {joint.child for joint in joints}
     names = sorted(link.name for link in links if link.name not in held)
     return tuple(Joint(f"{name}_base", "fixed", None, name, HERE, ()) for name in names)

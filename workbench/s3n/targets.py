@@ -1,4 +1,4 @@
-"""What a simulator other than MuJoCo 4 keeps of a normalised file, and by name what is lost."""
+"""What simulators other than MuJoCo 4 keep of a normalised file, and the names of what is lost."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Fitted:
 
 
 def for_target(xml: str, target: str) -> Fitted:
-    """Return a normalised MJCF as a simulator really takes it.
+    """Return a normalised MJCF as the other simulator reads it, and what it loses.
 
     Args:
         xml: of `NormalisedTree`, all of it.
@@ -91,7 +91,7 @@ def _mjlab(xml: str) -> Fitted:
 
 
 def _mapped(root: ElementTree.Element) -> str:
-    """The line that maps torques of joints to drives."""
+    """Return the line that maps torques of joints to drives."""
     if next(root.iter("spatial"), None) is not None:
         return "  tau_drive = torch.linalg.solve(J.mT, tau_joint)  # J: the drives' rows of ten_J, each step"
     return (
@@ -135,7 +135,7 @@ def _actuators(root: ElementTree.Element) -> list[ElementTree.Element]:
 
 
 def _cut(root: ElementTree.Element) -> list[str]:
-    """Takes out what no simulator but MuJoCo 4 has; what that was, in lines."""
+    """Remove what only MuJoCo 4 has; return a line for each thing removed."""
     return [*_without_delay(root), *_without_yield(root), *_linear(root)]
 
 
@@ -150,7 +150,7 @@ def _without_delay(root: ElementTree.Element) -> list[str]:
 
 
 def _without_yield(root: ElementTree.Element) -> list[str]:
-    """Hysteresis of springs."""
+    """Remove the hysteresis of springs; return a line for each."""
     lost = []
     for each in _elements(root):
         text = each.attrib.pop("springyield", None)
@@ -160,7 +160,7 @@ def _without_yield(root: ElementTree.Element) -> list[str]:
 
 
 def _linear(root: ElementTree.Element) -> list[str]:
-    """Damping and stiffness that are polynomials, cut to what is linear."""
+    """Reduce polynomial damping and stiffness to the linear term; return a line for each."""
     lost = []
     for each in _elements(root):
         for key in ("damping", "stiffness"):
@@ -173,7 +173,7 @@ def _linear(root: ElementTree.Element) -> list[str]:
 
 
 def _elements(root: ElementTree.Element) -> list[ElementTree.Element]:
-    """All elements; comments are none."""
+    """Return all elements without comments."""
     return [each for each in root.iter() if isinstance(each.tag, str)]
 
 

@@ -18,7 +18,7 @@ _WORLD = "world"
 
 
 def read_tree(file: Path) -> SdfTree:
-    """Read an SDF file or a URDF.
+    """Return the tree of an SDF or URDF file.
 
     Raises:
         InputError: neither, or something in it that a tree of hinges and slides has not.
@@ -45,7 +45,9 @@ def _read(root: ElementTree.Element, file: Path) -> SdfTree:
     placed: dict[str, Pose] = {}
 
     def place(link: str) -> Pose:
-        """A link in the frame of the one that all hangs on, joints at zero; its own frame is its joint's."""
+        """Return the pose of a link in the root link's frame, joints at zero; a link's own frame is its
+        joint's.
+        """
         if link not in placed:
             placed[link] = HERE  # ends a chain of links that hang on each other
             if link in holders:

@@ -110,7 +110,7 @@ def _joint(robot: ElementTree.Element, m: mujoco.MjModel, b: int, names: list[st
 
 
 def _effort(m: mujoco.MjModel, joint: int) -> float:
-    """Torque limit of the motor on this joint, 0 where none is."""
+    """Return the torque limit of the motor on this joint, 0 if there is none."""
     for a in range(m.nu):
         on_it = m.actuator_trntype[a] == int(mujoco.mjtTrn.mjTRN_JOINT) and m.actuator_trnid[a, 0] == joint
         if on_it and m.actuator_ctrllimited[a]:
@@ -119,7 +119,7 @@ def _effort(m: mujoco.MjModel, joint: int) -> float:
 
 
 def _tip(robot: ElementTree.Element, m: mujoco.MjModel, s: int, names: list[str]) -> None:
-    """A site as a link without mass, which is what a frame is in URDF."""
+    """Add a site as a link without mass, which is how a URDF states a frame."""
     name = m.site(s).name
     ElementTree.SubElement(robot, "link", name=name)
     joint = ElementTree.SubElement(robot, "joint", name=f"{name}_fixed", type="fixed")

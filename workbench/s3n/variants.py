@@ -49,7 +49,8 @@ def with_variant(model: Model, variant: str) -> Model:
 
 
 def usual_variant(model: Model) -> str:
-    """What a plain MJCF is written as where nobody says: all that the tree can hold of what the model states.
+    """Return the variant that a plain MJCF is written as by default: all stated physics that the tree can
+    hold.
 
     The linkage's inertia where it is known, at least the drives' where one moves several joints; a model that
     states more than Kin-Only keeps its own variant.
@@ -64,7 +65,7 @@ def usual_variant(model: Model) -> str:
 
 
 def omissions(model: Model) -> tuple[str, ...]:
-    """What a model's variant leaves out of what the model states of its mechanism, each with its size."""
+    """Return what a model's variant leaves out of the stated mechanism, each with its size."""
     linkage, out = model.linkage, []
     coupled = not np.array_equal(model.transmission, np.eye(model.size))
     if coupled and any(model.actuators.inertia) and not model.has("actuator_inertia_coupling"):
@@ -78,7 +79,7 @@ def omissions(model: Model) -> tuple[str, ...]:
 
 
 def need_parallelogram(model: Model, what: str) -> Linkage:
-    """Return the model's linkage.
+    """Return the model's linkage; raise if it has none.
 
     Raises:
         InputError: it states none, or its transmission is not the parallelogram's.
@@ -92,7 +93,7 @@ def need_parallelogram(model: Model, what: str) -> Linkage:
 
 
 def need_constant_transmission(model: Model, what: str) -> None:
-    """Refuse a model whose J changes with the posture.
+    """Raise if the model's J changes with the posture.
 
     Raises:
         InputError: its transmission is that of one posture only.
@@ -106,7 +107,7 @@ def need_constant_transmission(model: Model, what: str) -> None:
 
 
 def linkage_inertia(model: Model) -> Linkage:
-    """Increments M11, M12, M22 that the model's linkage has over its serial tree.
+    """Return the increments M11, M12, M22 of the model's linkage over its serial tree.
 
     The sum of its ``linkage_inertia`` effects where it has any, else what its linkage states.
 

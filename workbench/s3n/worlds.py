@@ -1,4 +1,6 @@
-"""Each variant as something that takes steps: a MuJoCo model, and where needed torques at every step."""
+"""Each variant as a world that takes steps: a MuJoCo model, with torques added at every step if it needs
+them.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,7 @@ class World:
         self.data.qpos[self.places], self.data.qvel[self.dofs] = position, velocity
 
     def state(self) -> State:
-        """Position and velocity in serial coordinates, (n,), (n,)."""
+        """Return position and velocity in serial coordinates, (n,), (n,)."""
         return self.data.qpos[self.places].copy(), self.data.qvel[self.dofs].copy()
 
     def advance(self, torque: np.ndarray, steps: int) -> None:
@@ -98,7 +100,7 @@ class LoopWorld(World):
         mujoco.mj_step(self.m, self.data, steps)
 
     def gap(self) -> float:
-        """Largest distance between two frames that a loop holds together [m]."""
+        """Return the largest distance between two frames that a loop holds together [m]."""
         mujoco.mj_kinematics(self.m, self.data)
         sites = self.data.site_xpos[np.stack([self.m.eq_obj1id, self.m.eq_obj2id])]
         return float(np.linalg.norm(sites[0] - sites[1], axis=-1).max())
