@@ -114,7 +114,7 @@ def local_polynomial(
 
 
 def _halfwidth(order: int, nu: int, records: int, fitted: int) -> int:
-    """Return the fewest lines to each side that leave `_SPARE` more residuals than the covariance has rows."""
+    """Return the fewest lines to each side that leave `_SPARE` more residuals than the covariance's rows."""
     terms = order + 1
     window = terms + int(np.ceil((nu * terms + fitted + _SPARE) / records))
     return window // 2

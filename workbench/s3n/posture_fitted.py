@@ -1,4 +1,4 @@
-"""A posture-dependent mechanism as plain MJCF for any training pipeline, with its errors stated in the file."""
+"""A posture-dependent mechanism as plain MJCF for any training pipeline; the file states its errors."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ def _unscaled(coefficients: np.ndarray, middle: float, half: float) -> np.ndarra
 
 
 def _body(w: Wanted, number: int, masses: np.ndarray, points: np.ndarray) -> Body:
-    """Return point masses as one body that MuJoCo accepts: with some thickness, so that no inertia is zero."""
+    """Return point masses as one body that MuJoCo accepts: thick enough that no inertia is zero."""
     mass = float(masses.sum())
     least = 1e-3 * max(w.total, 1e-6)
     if mass < least:

@@ -61,7 +61,7 @@ def _inertial(body: Any, link: Body) -> None:
 
 
 def _rank_ones(matrix: np.ndarray) -> list[tuple[float, np.ndarray]]:
-    """Return a positive semidefinite matrix as a sum of value times row^T row, single joints where possible."""
+    """Return a positive semidefinite matrix as a sum of value times row^T row, single joints if possible."""
     left, out = matrix.copy(), []
     for i in range(len(left)):
         value = float(left[i, i])

@@ -118,7 +118,7 @@ def _is_drive(rows: np.ndarray, tendons: tuple[Branches | None, ...], joint: int
 
 
 def _nodes(box: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Return Chebyshev nodes (N, n), denser where errors are largest, and n differentiation matrices (N, N)."""
+    """Return Chebyshev nodes (N, n), denser where errors are largest; n differentiation matrices (N, N)."""
     count = _NODES[len(box)]
     x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
     axes = [(low + high) / 2.0 + (high - low) / 2.0 * x for low, high in box]

@@ -135,7 +135,8 @@ class Bench:
         """Remove the effect at this place in the list of the model."""
         effects = self.model.effects
         kept = (*effects[:index], *effects[index + 1 :])
-        self._history.change(f"removing {effect_phrase(effects[index].key)}", replace(self.model, effects=kept))
+        what = f"removing {effect_phrase(effects[index].key)}"
+        self._history.change(what, replace(self.model, effects=kept))
 
     def set_value(self, index: int, name: str, value: float) -> None:
         """Set a parameter of the effect at this place, within its physical bounds.
@@ -150,9 +151,8 @@ class Bench:
         others = replace(model, effects=(*model.effects[:index], *model.effects[index + 1 :]))
         changed = check_effect(others, AppliedEffect(applied.key, parameters))
         effects = (*model.effects[:index], changed, *model.effects[index + 1 :])
-        self._history.change(
-            f"{parameter_name(name)} of {effect_phrase(applied.key)}", replace(model, effects=effects), (index, applied.key, name)
-        )
+        what = f"{parameter_name(name)} of {effect_phrase(applied.key)}"
+        self._history.change(what, replace(model, effects=effects), (index, applied.key, name))
 
     def has(self, key: EffectKey) -> bool:
         """Return whether an effect was added to the model as given."""
