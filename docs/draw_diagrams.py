@@ -1,4 +1,4 @@
-"""Draws the mermaid blocks of the pages, which git hosts draw themselves, for the site that is opened from disk.
+"""Draws the mermaid blocks of the pages for the site that is opened from disk; git hosts draw them themselves.
 
 python docs/draw_diagrams.py      # into docs/images/diagrams; needs npm (for mermaid, once) and chromium
 
@@ -32,10 +32,14 @@ SETTINGS = {
     "theme": "base",
     "htmlLabels": False,
     "fontFamily": "Helvetica, Arial, sans-serif",
-    "flowchart": {"htmlLabels": False, "nodeSpacing": 30, "rankSpacing": 30, "wrappingWidth": 360, "padding": 10},
+    "flowchart": {
+        **{"htmlLabels": False, "nodeSpacing": 30, "rankSpacing": 30},
+        **{"wrappingWidth": 360, "padding": 10},
+    },
     "themeVariables": {
         "fontSize": "15px",
-        **dict.fromkeys(("textColor", "primaryTextColor", "secondaryTextColor", "tertiaryTextColor"), "#010203"),
+        **dict.fromkeys(("textColor", "primaryTextColor"), "#010203"),
+        **dict.fromkeys(("secondaryTextColor", "tertiaryTextColor"), "#010203"),
         **dict.fromkeys(("mainBkg", "primaryColor", "secondaryColor", "tertiaryColor"), "#040506"),
         **dict.fromkeys(("lineColor", "primaryBorderColor", "nodeBorder", "transitionColor"), "#070809"),
         **dict.fromkeys(("background", "edgeLabelBackground"), "#0a0b0c"),
