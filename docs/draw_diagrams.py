@@ -1,4 +1,4 @@
-"""Draws the mermaid blocks of the pages for the site that is opened from disk; git hosts draw them themselves.
+"""Draws the mermaid blocks of the pages for the site that is opened from disk; git hosts draw them anyway.
 
 python docs/draw_diagrams.py      # into docs/images/diagrams; needs npm (for mermaid, once) and chromium
 
@@ -33,8 +33,8 @@ SETTINGS = {
     "htmlLabels": False,
     "fontFamily": "Helvetica, Arial, sans-serif",
     "flowchart": {
-        **{"htmlLabels": False, "nodeSpacing": 30, "rankSpacing": 30},
-        **{"wrappingWidth": 360, "padding": 10},
+        "htmlLabels": False, "nodeSpacing": 30, "rankSpacing": 30,
+        "wrappingWidth": 360, "padding": 10,
     },
     "themeVariables": {
         "fontSize": "15px",

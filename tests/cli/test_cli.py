@@ -100,7 +100,8 @@ def test_it_is_a_program(data: Path, tmp_path: Path) -> None:
 
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     words = ("add", "leg", "torque_bias@hip", "torque=0.1", "-o", tmp_path / "m.toml")
-    assert run(*words).returncode == 0
+    done = run(*words)
+    assert done.returncode == 0 and done.stdout.endswith("leg with torque bias on the hip drive.\n")
     first = (tmp_path / "m.toml").read_text()
     again = run(*words)
     assert again.returncode == 2 and "--force" in again.stderr

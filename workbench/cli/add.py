@@ -70,6 +70,7 @@ def add(
     from workbench.effects import load_model
     from workbench.models import write_model
     from workbench.report import effect_dict
+    from workbench.report.wording import any_of, effect_phrases
 
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o NEW")
@@ -88,7 +89,7 @@ def add(
         what = "dry friction with the onset of its MJCF"
     else:
         added, new = with_effects(loaded, effect, values, diagnosis)
-        what = ", ".join(str(a.key) for a in added)
+        what = any_of(effect_phrases([a.key for a in added]), "and")
     new = replace(new, name=Path(output).stem)
     written = Into.of(loaded, new, into, output) if into is not None else None
     if written is None:
