@@ -37,7 +37,7 @@ def write_with_assets(xml: str, path: str | Path, *, force: bool = False) -> tup
 
 
 def _placed(xml: str, target: Path) -> tuple[str, dict[Path, Path]]:
-    """Return the text with folders relative to the new file, and what must be copied: new path -> old path."""
+    """Return the text with folders relative to the new file, and what to copy: new path -> old path."""
     spec = mujoco.MjSpec.from_string(xml)
     drawn = [asset.file for asset in (*spec.meshes, *spec.hfields, *spec.skins)]
     painted = [name for asset in spec.textures for name in (asset.file, *asset.cubefiles)]

@@ -200,7 +200,7 @@ def say(model: Model, q: np.ndarray) -> str:
 
 
 def _start(model: Model) -> np.ndarray:
-    """Return serial positions to begin at: the start posture, or the middle of the limits if J is constant."""
+    """Return serial positions to begin at: the start posture, or the middle if J is constant."""
     mechanism = mechanism_of(model)
     known = dict(mechanism.start)
     stated = np.array([known.get(name, 0.0) for name in mechanism.joints])
