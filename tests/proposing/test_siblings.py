@@ -34,6 +34,28 @@ def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> Non
     assert not any("derivative" in note for note in proposal.notes), "what stands still has no slope to hold"
 
 
+def test_units_are_in_some_names_and_not_in_those_that_differ_in_their_role_alone(tmp_path: Path) -> None:
+    """As a German lab writes: "Ist" is measured, "Soll" is asked for, "Grad" are degrees, M is torque."""
+    degrees = 180.0 / np.pi
+    data = {"Zeit_ms": LOG.t * 1e3}
+    for k, joint in enumerate("SE"):
+        data |= {
+            f"Ist_{joint}[Grad]": LOG.q[:, k] * degrees,
+            f"w_{joint}[Grad/s]": LOG.v[:, k] * degrees,
+            f"Soll_{joint}[Grad]": LOG.ref[:, k] * degrees,
+            f"M_ist_{joint}[Nm]": LOG.tau[:, k],
+            f"M_soll_{joint}": LOG.cmd[:, k],
+        }
+    (tmp_path / "run.csv").write_text(text(data))
+    named = ("a", "b")
+    proposal, recording = imported(tmp_path / "run.csv", Answers(model_axes=named, axes=named))
+    assert proposal.description["units"]["velocity"] == "deg/s"
+    for name, values in (("position_reference", LOG.ref), ("torque_command", LOG.cmd), ("velocity", LOG.v)):
+        np.testing.assert_allclose(recording.signals[name], values, atol=1e-9)
+    assert "velocity_reference" not in recording.signals, "M_soll_S is no speed in m/s"
+    assert proposal.description["controller"]["kp"] == [60.0, 30.0]
+
+
 def test_a_held_joint_among_columns(tmp_path: Path) -> None:
     data = {"t": LOG.t}
     for k, joint in enumerate(("hip", "roll", "knee")):

@@ -65,6 +65,15 @@ def test_degrees_a_second_are_no_wrong_rate(nameless: Path) -> None:
     assert not [n for n in notes if "rows per second" in n] and any("deg/s" in n for n in notes)
 
 
+def test_a_speed_off_by_thousands_of_millions_is_no_wrong_clock(nameless: Path) -> None:
+    table = np.loadtxt(nameless, delimiter=",")
+    table[:, 3:6] *= 3.1e9
+    np.savetxt(nameless, table, delimiter=",")
+    said = Answers(**{**vars(answers(200.0, "column_1", "column_2")), "units": {"velocity": "rad/s"}})
+    remarks = inspect([imported(nameless, said)[1]]).recordings[0].remarks
+    assert {r.topic for r in remarks if r.severity == "problem"} == {"unit"}
+
+
 def test_too_many_positions_are_shown_by_their_columns(nameless: Path) -> None:
     with pytest.raises(InputError, match="of the columns column_1, column_2, column_3"):
         propose(open_table(nameless), Answers(model_axes=("a", "b"), rate_hz=200.0))

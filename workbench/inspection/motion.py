@@ -19,6 +19,7 @@ from .result import Remark
 
 _ALIKE = 0.9  # correlation from which two columns are the same motion
 _SCALE = 0.03  # relative deviation of a factor from one that is reported
+_RATES = (0.1, 1e6)  # Hz; a log of fewer or more rows has another fault than its clock
 _OFFSET = 0.25  # clock offset in row periods that is reported
 _SURE = 4.0  # deviations by which a filter's time has to differ from none
 _UNLIKE = 0.1  # share of the position's slope that a filter may leave unexplained
@@ -63,6 +64,8 @@ def _one_clock(each: Sequence[Sequence[Remark]], period: float) -> Remark | None
     if len(each) < 2 or len(wrong) < len(each) or named or np.ptp(factors) > _SCALE * factors.min():
         return None
     factor = float(np.median(factors))
+    if not _RATES[0] < factor / period < _RATES[1]:
+        return None
     rates = f"{factor / period:.4g} rows per second and not {1 / period:.4g}"
     text = (
         f"Velocity of every axis is {factor:.4g} times the derivative of its position: most likely the "

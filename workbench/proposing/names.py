@@ -113,7 +113,7 @@ def role_of(name: str, unit: str = "") -> Role:
         if not unit and spelled(word, kind):  # "rpm" says both
             unit = word
         break
-    unit, rest = _unit_at_end(rest, kind, unit)
+    unit, rest = _unit_at_end(rest, kind, unit, words)
     if not kind and unit:
         kind = _kind_of_unit(unit)
     if not kind and only_command:
@@ -144,19 +144,24 @@ def _split(word: str) -> list[str]:
     return [word]
 
 
-def _unit_at_end(rest: list[str], kind: str, unit: str) -> tuple[str, list[str]]:
-    """A unit written as the last words of a name, as in ``speed_deg_s``, and the words without it."""
+def _unit_at_end(rest: list[str], kind: str, unit: str, words: Sequence[str]) -> tuple[str, list[str]]:
+    """A unit written as the last words of a name, as in ``speed_deg_s``, and the words without it.
+
+    In the name they stand side by side: ``m_soll_s`` is no speed in m/s.
+    """
     if unit:
         tail = _words(unit)
         if rest[-len(tail) :] == tail:
             rest = rest[: -len(tail)]
         return unit, rest
     if len(rest) > 1 and rest[-1].isdigit():  # "torque_Nm_1"
-        unit, body = _unit_at_end(rest[:-1], kind, unit)
+        unit, body = _unit_at_end(rest[:-1], kind, unit, words)
         return unit, [*body, rest[-1]]
     for count in (3, 2, 1):
         tail = rest[-count:]
         if len(tail) < count or (count == 1 and len(tail[0]) == 1 and kind != "time"):
+            continue
+        if not any(list(words[i : i + count]) == tail for i in range(len(words))):
             continue
         for text in ("/".join(tail), "".join(tail), " ".join(tail)):
             if spelled(text, kind) if kind else text in _TELLING:

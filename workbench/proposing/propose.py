@@ -26,6 +26,7 @@ from .proposal import Answers, Proposal, Question, listed
 from .rows import on_rows_of_axes
 from .scaling import settle_scales
 from .settle import settle_units
+from .siblings import with_kinds
 from .signals import read_signals
 from .signed import signed_counts
 from .stamps import whole_clocks
@@ -69,7 +70,7 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
 def _roles(table: Table) -> dict[str, Role]:
     names = list(table.columns)
     like = joints_like_quantities(names)
-    named = name_joints([like.get(n) or role_of(n, table.units.get(n, "")) for n in names])
+    named = name_joints(with_kinds([like.get(n) or role_of(n, table.units.get(n, "")) for n in names]))
     roles = dict(zip(names, named, strict=True))
     return roles | {n: replace(roles[n], joint=joint) for n, joint in table.joints.items() if n in roles}
 

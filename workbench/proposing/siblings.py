@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
-from .names import Role
+from .names import KINDS, Role
 
 
 def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Role]) -> set[str]:
@@ -37,6 +38,24 @@ def without_joint(joints: Sequence[str], others: Collection[str]) -> list[str]:
     alone = [g for g in groups.values() if len(g) > 1 and not set(g) & set(others)]
     out = [joint for group in alone for joint in group]
     return out if len(out) < len(joints) else []
+
+
+def with_kinds(roles: Sequence[Role]) -> list[Role]:
+    """Return the roles, with a kind for names that differ only in their role from names whose unit says it.
+
+    ``M_soll_S`` beside ``M_ist_S [Nm]`` is a torque that was asked for.
+    """
+    kinds: dict[str, set[str]] = {}
+    for role in roles:
+        by_unit = role.unit and not any(word in KINDS.get(role.kind, ()) for word in role.words)
+        if by_unit and role.role and role.joint:
+            kinds.setdefault(role.joint, set()).add(role.kind)
+    out = list(roles)
+    for i, role in enumerate(roles):
+        alike = kinds.get(role.joint, set())
+        if role.role and not role.kind and not role.unit and len(alike) == 1:
+            out[i] = replace(role, kind=next(iter(alike)))
+    return out
 
 
 def _family(role: Role) -> tuple[str, str, tuple[str, ...]]:

@@ -16,6 +16,7 @@ COUNTS_A_SECOND = "counts/s"
 #: Factors by which a decimal point slips.
 TENS = (0.1, 10.0, 0.01, 100.0, 0.001, 1000.0)
 _TENTH = 0.003  # how often one does, against a unit that is right
+_GIGA = 1e8
 _USUAL = 1.5  # rad, through which a joint moves while it is logged
 _VARIES = 1.1  # deviations of that by a factor of e
 #: Spellings that pint reads otherwise or not at all ("Nm" is a nanometre to it).
@@ -31,7 +32,18 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
     "mrad": ("mrad",),
     "mdeg": ("mdeg",),
     "turn": ("rev", "revs", "turn", "turns", "rot", "revolutions", "u"),
-    "deg/s": ("deg/s", "°/s", "dps", "degs/s", "degps", "deg/sec", "degree/s", "degrees/s", "deg s"),
+    "deg/s": (
+        "deg/s",
+        "°/s",
+        "dps",
+        "degs/s",
+        "degps",
+        "deg/sec",
+        "degree/s",
+        "degrees/s",
+        "deg s",
+        "grad/s",
+    ),
     "rad/s": ("rad/s", "rads/s", "radps", "rad/sec", "rad s", "rads", "1/s"),
     "rpm": ("rpm", "1/min", "u/min", "rev/min", "min-1", "min^-1"),
     "turn/s": ("rev/s", "turn/s", "turns/s", "rps"),
@@ -64,8 +76,8 @@ def pint_unit(text: str, kind: str) -> str:
         return f"{float(number):g}*{unit}" if unit else ""
     if unit := _spelling(text, kind):
         return unit
-    # a unit that pint knows as it stands: "mrad/s", "N*mm"
-    return text if len(text) > 1 and _is_of(text, kind) else ""
+    # a unit that pint knows as it stands: "mrad/s", "N*mm"; its "Grad/s" is 1e9 rad/s, which nobody logs
+    return text if len(text) > 1 and _is_of(text, kind) and scale(text, kind) < _GIGA else ""
 
 
 def times(factor: float, unit: str) -> str:
