@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "real-machines.md"
 START, END = "<!-- machines: written by analyses/real_machines.py -->\n", "<!-- end of machines -->\n"
 _COLUMNS = (
     "machine",
-    "what was said",
+    "verdict",
     "right causes named",
     "values outside, false names",
     "error over noise",
@@ -23,16 +23,16 @@ _COLUMNS = (
 )
 _SAID = {
     "consistent": "nothing is missing",
-    "missing_effect": "something is missing, and it is named",
-    "partly_explained": "part of what is missing is named",
-    "unexplained": "something is missing that is not named",
+    "missing_effect": "missing effects named",
+    "partly_explained": "part of the missing effects named",
+    "unexplained": "something is missing, nothing named",
 }
 _STATES = {
     "named": "named",
     "read": "right",
-    "outside": "**outside its bounds**",
+    "outside": "**outside the tolerance**",
     "not named": "**not named**",
-    "false": "**not known to be there**",
+    "false": "**false: not known to be there**",
 }
 
 
@@ -68,23 +68,23 @@ def _summary(machine: Machine, answer: Answer) -> str:
 def _section(machine: Machine, answer: Answer) -> Iterator[str]:
     yield f'\n<a id="{machine["name"]}"></a>\n\n### {machine["title"]}\n'
     yield f"- From: {machine['source']}"
-    yield f"- Given: {machine['given']}"
-    yield f"- Known: {machine['known']}"
+    yield f"- Model: {machine['given']}"
+    yield f"- Known about the machine: {machine['known']}"
     if "failed" in answer:
-        yield f"- Said: nothing. The search ended with `{answer['failed']}`"
+        yield f"- Verdict: none. The search ended with `{answer['failed']}`"
         yield f"- Error on {machine['judged']}, as given: {number(ratio(answer, 'before'))} times the noise"
         return
-    yield f"- Said: {answer['sentence']}"
+    yield f"- Verdict: {answer['sentence']}"
     yield f"- Error on {machine['judged']}: {_errors(answer)}"
     if answer["nearest"]:
         near = ", ".join(_effect(s["effect"], s["axis"], s["location"]) for s in answer["nearest"])
-        yield f"- What comes nearest, not named: {near}; {number(_nearest(answer))} times the noise with it"
+        yield f"- Nearest effect, not named: {near}; with it, the error is {number(_nearest(answer))} times the noise"
     if answer["verdict"] != "consistent":
-        yield f"- Stays unexplained of the excess on fitted data: {percent(answer['unexplained'])}"
-    yield from (f"- Of what stays: {line}" for line in answer["evidence"])
+        yield f"- Part of the squared error above the noise that stays unexplained, on fitted data: {percent(answer['unexplained'])}"
+    yield from (f"- About the rest: {line}" for line in answer["evidence"])
     found = rows(machine, answer)
     if found:
-        yield "\n| cause | known | said, with 95 % interval | |"
+        yield "\n| cause | known value | found, with 95 % interval | |"
         yield "|---|---|---|---|"
         yield from (_row(r) for r in found)
 
