@@ -78,9 +78,11 @@ def _section(machine: Machine, answer: Answer) -> Iterator[str]:
     yield f"- Error on {machine['judged']}: {_errors(answer)}"
     if answer["nearest"]:
         near = ", ".join(_effect(s["effect"], s["axis"], s["location"]) for s in answer["nearest"])
-        yield f"- Nearest effect, not named: {near}; with it, the error is {number(_nearest(answer))} times the noise"
+        left = number(_nearest(answer))
+        yield f"- Nearest effect, not named: {near}; with it, the error is {left} times the noise"
     if answer["verdict"] != "consistent":
-        yield f"- Part of the squared error above the noise that stays unexplained, on fitted data: {percent(answer['unexplained'])}"
+        rest = percent(answer["unexplained"])
+        yield f"- Part of the squared error above the noise that stays unexplained, on fitted data: {rest}"
     yield from (f"- About the rest: {line}" for line in answer["evidence"])
     found = rows(machine, answer)
     if found:
