@@ -27,7 +27,7 @@ def run(*words: object):
 def test_a_design_small_enough_is_left_as_it_is(tmp_path: Path) -> None:
     done = run("leg", "-o", tmp_path / "leg.toml", "--amplitude", 0.9, "--amplitude", 0.54, *SHORT)
     assert done.exit_code == 0, done.output
-    assert "2 experiment(s)" in done.output and "Left at the requested amplitude" in done.output
+    assert "2 experiments of" in done.output and "Left at the requested amplitude" in done.output
     design = load_design(tmp_path / "leg.toml")
     assert design.hold == (-0.55, 1.0472) and [t.mode for t in design.trials] == ["sum", "difference"]
     # a whole number of ticks of 3 ms

@@ -36,7 +36,7 @@ def test_nothing_and_too_little() -> None:
     short = replace(
         short, time=short.time[:900], signals={k: v[:900] for k, v in short.signals.items()}, valid=None
     )
-    assert "1 whole period(s)" in refused([short]).problem
+    assert "1 whole period of" in refused([short]).problem
     assert "leave fewer than two" in refused([one()], transient_periods=6).problem
 
 
@@ -93,7 +93,7 @@ def test_lines_that_do_not_exist(lines) -> None:
 def test_inputs_that_cannot_be_told_apart() -> None:
     d = design(axes=["a", "b"], f_max_hz=40)
     both = mimo_recordings(d, mimo_plant(2), noise=0.0, gain=0.0)
-    assert "1 experiment(s) for 2 inputs" in refused(both[:1]).problem
+    assert "1 experiment for 2 inputs" in refused(both[:1]).problem
     assert "not independent" in refused([both[0], both[0]]).problem
 
 

@@ -161,3 +161,9 @@ def test_a_browser_draws_it_from_disk(tmp_path):
     figures = [a for t, a in parsed.tags if t == "figure" and a.get("class") == "drawing"]
     assert figures and all("hidden" not in a for a in figures)
     assert [t for t, _ in parsed.tags].count("img") == 1 and "{{ 7*7 }}" in parsed.text
+
+
+def test_checks_are_named_in_words():
+    made = replace(verification(), checks=(Check("s3n_frf", 0.0, 1e-6, "", "two"),))
+    page = Page(render_sheet(verification_sheet(made), command=COMMAND)).text
+    assert "S3N frequency response ok" in page

@@ -30,7 +30,7 @@ def test_it_holds_every_model_beside_the_measurement(found: list[FrfComparison])
     assert {"measured", "uncertainty", "closed chain", "Kin-Only", "S3N-Act", "S3N-Full", "exact"} <= names
     table = sheet.sections[0].tables[0]
     assert [row[0] for row in table.rows] == [words_of(name) for name in found[0].models]
-    assert "of the serial trees exact" in sheet.sentence and "Kin-Only by" in sheet.sentence
+    assert "Of the serial trees, exact" in sheet.sentence and "Kin-Only by" in sheet.sentence
     assert "frequency responses of leg" in render_sheet(sheet, command="workbench frf leg").lower()
 
 

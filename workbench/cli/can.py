@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from workbench.core.text import counted
+
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 from .hidden import HideOption, SetOption
 from .listing import Listing
@@ -102,7 +104,7 @@ def dbc(
             if without
             else ""
         )
-        echo(f"Wrote {output}: the frames of {len(drives) - len(without)} drive(s).{none}")
+        echo(f"Wrote {output}: the frames of {counted(len(drives) - len(without), 'drive')}.{none}")
 
 
 @can.command()

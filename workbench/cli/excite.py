@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from workbench.core import InputError
+from workbench.core.text import counted
 
 from .common import (
     ForceOption,
@@ -179,8 +180,9 @@ def excite(
     d = scaled.design
     seconds = d.rows / d.rate_hz
     echo(
-        f"Wrote {output}: {len(d.trials)} experiment(s) of {seconds:.4g} s, {len(d.lines)} lines from "
-        f"{d.frequency[0]:.4g} to {d.frequency[-1]:.4g} Hz, crest factor up to {d.crest_factors.max():.3g}."
+        f"Wrote {output}: {counted(len(d.trials), 'experiment')} of {seconds:.4g} s, {len(d.lines)} lines "
+        f"from {d.frequency[0]:.4g} to {d.frequency[-1]:.4g} Hz, "
+        f"crest factor up to {d.crest_factors.max():.3g}."
     )
     if length != period:
         echo(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")

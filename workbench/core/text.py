@@ -11,3 +11,8 @@ def plain(text: object) -> str:
 
 
 _UNPRINTED = "Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``"1 row"`` or ``"3 rows"``; the plural of the noun is with an s."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from workbench.core.text import counted
+
 PRESSURE = Path("/proc/pressure/cpu")
 _MOST = 0.3  # of the time: three processes of a loop and its virtual drives wait for each other less
 
@@ -34,7 +36,7 @@ class Crowd:
                 return []
             return [f"programs waited for a processor {100 * min(share, 1.0):.0f} % of the time, and {held}"]
         load, there = os.getloadavg()[0], os.cpu_count() or 1
-        return [f"{load:.1f} programs want {there} processor(s), and {held}"] if load > there else []
+        return [f"{load:.1f} programs want {counted(there, 'processor')}, and {held}"] if load > there else []
 
 
 def _waited(file: Path) -> float | None:

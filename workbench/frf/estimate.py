@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import InputError, Recording
+from workbench.core.text import counted
 
 from .algebra import kronecker, output_noise, solve_inputs
 from .excited import realisations
@@ -84,7 +85,7 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     ny, nu, count = len(outputs), len(inputs), len(m.recordings)
     if count < nu:
         raise InputError(
-            f"{count} experiment(s) for {nu} inputs",
+            f"{counted(count, 'experiment')} for {nu} inputs",
             file=first.source,
             remedy="record one experiment per axis (sum and difference for two), or name fewer axes",
         )

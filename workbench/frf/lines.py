@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.text import counted
 
 Grid = Literal["full", "odd", "odd_random"]
 
@@ -52,7 +53,7 @@ def select_lines(
     if per_decade is not None and per_decade < 1:
         raise InputError(f"{per_decade} lines per decade", column="per_decade", remedy="give one or more")
     if group < 2:
-        problem = f"groups of {group} line(s), of which one is left out,"
+        problem = f"groups of {counted(group, 'line')}, of which one is left out,"
         raise InputError(f"{problem} excite nothing", column="group", remedy="give two or more")
     first = int(np.ceil(f_min_hz * period_s * (1 - 1e-9)))
     last = int(np.floor(f_max_hz * period_s * (1 + 1e-9)))

@@ -21,6 +21,7 @@ import numpy as np
 import scipy.fft
 
 from workbench.core import InputError, Recording
+from workbench.core.text import counted
 
 from .algebra import kronecker
 from .records import Choice, check_rows, choose
@@ -74,8 +75,8 @@ def local_polynomial(
     left = len(recordings) * (window - order - 1) - nu * (order + 1)
     if order < 0 or left < fitted or window > len(bins):
         raise InputError(
-            f"windows of {window} lines of {len(bins)} in the band are not enough for {nu} input(s) of order "
-            f"{order}",
+            f"windows of {window} lines of {len(bins)} in the band are not enough for {counted(nu, 'input')} "
+            f"of order {order}",
             file=first.source,
             column="halfwidth",
             remedy="record longer or more, widen the band, or name fewer axes",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import InputError, Recording
+from workbench.core.text import counted
 
 from .excited import common_lines, excited_lines
 from .lines import detection_lines
@@ -110,8 +111,8 @@ def measure(
 
 def _transient_note(name: str, s: Spectra) -> list[str]:
     if s.settled is None:
-        before = f" after {s.dropped} transient one(s)" if s.dropped else ""
+        before = f" after {counted(s.dropped, 'transient one')}" if s.dropped else ""
         return [f"{name}: {s.periods} periods{before} are too few to tell whether the transient had died."]
     if not s.settled:
         return [f"{name}: the response does not settle; {s.dropped} leading periods were dropped."]
-    return [f"{name}: {s.dropped} transient period(s) were dropped."] if s.dropped else []
+    return [f"{name}: left out {counted(s.dropped, 'transient period')}."] if s.dropped else []

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from workbench.core import InputError, Recording
+from workbench.core.text import counted
 
 from .period import periodic_rows
 from .records import Choice, check_rows
@@ -76,7 +77,7 @@ def whole_periods(recording: Recording, choice: Choice, period: float) -> Span:
     count = int((last - first) / (rows if whole else period) * (1 + 1e-9)) if rows > 0 else 0
     if rows < 4 or count < 2:
         raise InputError(
-            f"{count} whole period(s) of {period * recording.period:.6g} s in {recording.name}",
+            f"{counted(count, 'whole period')} of {period * recording.period:.6g} s in {recording.name}",
             file=recording.source,
             remedy="record two or more: workbench excite --periods",
         )

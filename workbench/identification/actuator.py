@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.text import counted
 from workbench.frf.response import Frf
 from workbench.frf.sampled import System, second_order
 
@@ -32,7 +33,7 @@ def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
     """
     if frf.response.shape[1:] != (1, 1):
         raise InputError(
-            f"the response has {frf.response.shape[1]} output(s) and {frf.response.shape[2]} input(s)",
+            f"the response has {counted(len(frf.outputs), 'output')} and {counted(len(frf.inputs), 'input')}",
             remedy="select one axis, or fit the leg",
         )
     moves = motion_of(frf)

@@ -94,7 +94,7 @@ def _sheet(
         kind="identification",
         model=name,
         tone="consistent" if fit.adequate else "unexplained",
-        sentence=f"{said}; {'the model is enough' if fit.adequate else 'the model is not enough'}.",
+        sentence=f"{said}; the model {'' if fit.adequate else 'only partly '}explains the response.",
         lines=(fit.sentence,),
         key_numbers=(
             *((label, text.split(" ± ")[0], f"± {text.split(' ± ')[1]}" if " ± " in text else "")

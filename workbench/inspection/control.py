@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from workbench.core import Controller, Recording
+from workbench.core.text import counted
 
 from .coordinates import Elsewhere, found_elsewhere, maps
 from .factors import name_factor
@@ -130,7 +131,7 @@ def _alternative(
         late = ticks(recording, ratio, phase, lag)
         fit, m = min(((fit_gains(late, c, m), m) for m in tried), key=lambda found: found[0].rest)
         if fit.rest < enough:
-            text = f"The command uses measurements from {lag} row(s) earlier."
+            text = f"The command uses measurements from {counted(lag, 'row')} earlier."
             severity = "note" if recording.timing.delay == "loop" or lag <= 1 else "warning"
             value = {"rows": lag, "delay_s": lag * recording.period}
             return [Remark(severity, "clock", None, text, value), *_read_gains(recording, fit, m)]

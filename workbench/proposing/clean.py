@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.core.text import counted
+
 _SOME = 0.05  # share of repeated stamps from which the clock is taken to be too coarse
 _SPARSE = 0.2  # share of empty cells from which a column is taken to be logged more slowly
 
@@ -72,7 +74,7 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run
     step = np.diff(t)
     if len(step) and step.max() > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95)):
         gaps = int((step > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95))).sum())
-        notes.append(f"{gaps} gap(s) in time are marked as not measured.")
+        notes.append(f"{counted(gaps, 'gap')} in time marked as not measured.")
         valid = good
     return Clean({time: t, **data}, valid, changed or valid is not None, tuple(notes), runs)
 
@@ -92,9 +94,9 @@ def _in_order(t: np.ndarray, notes: list[str], run: int | None) -> tuple[np.ndar
     if sizes.max() > 0.05 * len(rows) and len(back) < 50 and _restarts(t[rows], back):
         taken = int(np.argmax(sizes)) if run is None else min(run, len(sizes) - 1)
         which = "the longest" if run is None else f"number {run}, counted from 0,"
-        notes.append(f"Time restarts {len(back)} time(s); {which} of {len(sizes)} runs is taken.")
+        notes.append(f"Time restarts {counted(len(back), 'time')}; {which} of {len(sizes)} runs is taken.")
         return rows[edges[taken] : edges[taken + 1]], True, tuple(int(size) for size in sizes)
-    notes.append(f"Time goes back at {len(back)} row(s); rows are sorted by time.")
+    notes.append(f"Time goes back at {counted(len(back), 'row')}; rows are sorted by time.")
     return rows[np.argsort(t[rows], kind="stable")], True, (len(rows),)
 
 

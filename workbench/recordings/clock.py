@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.text import counted
 
 _MISSING = 1.5  # an increment longer than this many periods hides a row,
 _USUAL = 1.3  # and longer than this many of those that are long but usual where a clock is not even
@@ -74,7 +75,7 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     if len(kept) < 2:
         remedy = "record at least two rows"
         raise InputError(
-            f"{len(kept)} row(s) are too few for a recording", file=path, column=column, remedy=remedy
+            f"{counted(len(kept), 'row')}: too few for a recording", file=path, column=column, remedy=remedy
         )
     t = seconds[kept]
     step = np.diff(t)

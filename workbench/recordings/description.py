@@ -15,6 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat,
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.files import read_file
 from workbench.core.formats import check_format
+from workbench.core.text import counted
 from workbench.core.unfinished import finish
 from workbench.core.units import KINDS
 
@@ -187,19 +188,19 @@ def _check_names(d: Description, path: Path) -> None:
             raise _unknown_key(f"columns.{signal}", signal, _COLUMN_KEYS, path)
     for needed in ("time", "position"):
         if needed not in d.columns:
-            remedy = f"name the table's {needed} column(s) under [columns]"
+            remedy = f"name the table's {needed} under [columns]"
             raise InputError("is missing", file=path, column=f"columns.{needed}", remedy=remedy)
     n = len(d.axes)
     for signal, columns in d.columns.items():
         wanted = n if signal in AXIS_SIGNALS else len(columns) if is_extra(signal) else 1
         if len(columns) != wanted or not columns:
-            problem = f"has {len(columns)} column(s) where {wanted} are needed"
+            problem = f"has {counted(len(columns), 'column')} where {wanted} are needed"
             each = "give one column per axis, in the order of axes"
             remedy = each if signal in AXIS_SIGNALS else "give one"
             raise InputError(problem, file=path, column=f"columns.{signal}", remedy=remedy)
     forces = len(d.columns.get("ground_force", ()))
     if forces % 3:
-        problem = f"has {forces} column(s), which is not a multiple of three"
+        problem = f"has {counted(forces, 'column')}, which is not a multiple of three"
         remedy = "give fx, fy, fz for every foot"
         raise InputError(problem, file=path, column="columns.ground_force", remedy=remedy)
     for kind in d.guessed_units:

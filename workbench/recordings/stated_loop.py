@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from workbench.core import Controller, InputError
+from workbench.core.text import counted
 
 from .description import ControllerTable, Description
 
@@ -40,7 +41,7 @@ def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple
         return ()
     if len(values) != len(d.axes):
         raise InputError(
-            f"has {len(values)} value(s) for {len(d.axes)} axes",
+            f"has {counted(len(values), 'value')} for {len(d.axes)} axes",
             file=path,
             column=f"controller.{key}",
             remedy="give one number per axis",

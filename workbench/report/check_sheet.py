@@ -16,7 +16,7 @@ from .response import words_of
 from .sheet import Curve, Drawing, Panel, Row, Section, Sheet
 from .sheet_table import SheetTable
 from .style import AFTER, FLOOR
-from .verification import sentence
+from .verification import quantity_name, sentence
 
 
 def verification_sheet(result: Verification) -> Sheet:
@@ -28,7 +28,7 @@ def verification_sheet(result: Verification) -> Sheet:
     margin = (
         (
             "Tightest",
-            closest.name.replace("_", " "),
+            quantity_name(closest.name),
             f"{closest.value:.1e} of {closest.tolerance:.0e} allowed",
         )
         if closest is not None
@@ -49,7 +49,7 @@ def verification_sheet(result: Verification) -> Sheet:
         model=result.model,
         tone="consistent" if result.passed else "missing_effect",
         sentence=sentence(result),
-        lines=tuple(f"{c.name.replace('_', ' ')}: {c.hint}." for c in broken if c.hint)[:3],
+        lines=tuple(f"{quantity_name(c.name)}: {c.hint}." for c in broken if c.hint)[:3],
         key_numbers=(
             ("Agree", f"{len(result.checks) - len(broken)} of {len(result.checks)}", "quantities"),
             margin,
@@ -63,7 +63,7 @@ def verification_sheet(result: Verification) -> Sheet:
 def _checks(result: Verification) -> Section:
     rows = tuple(
         (
-            c.name.replace("_", " "),
+            quantity_name(c.name),
             "ok" if c.passed else "FAILS",
             f"{c.value:.1e}",
             f"{c.tolerance:.0e}",
@@ -77,7 +77,7 @@ def _checks(result: Verification) -> Section:
         ("Quantity", "Result", ">Difference", ">Allowed", "Unit", "Between"),
         rows,
     )
-    hints = tuple(f"{c.name.replace('_', ' ')}: {c.hint}" for c in result.checks if c.hint and not c.passed)
+    hints = tuple(f"{quantity_name(c.name)}: {c.hint}" for c in result.checks if c.hint and not c.passed)
     return Section("checks", "What was checked", tables=(table,), remarks=hints)
 
 

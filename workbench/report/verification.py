@@ -11,6 +11,14 @@ from .layout import table, text, verdict
 from .numbers import number, unit_text
 from .response import words_of
 
+#: Words of checks that are no words in a sentence.
+_WORDS = {"frf": "frequency response", "jacobian": "Jacobian", "coriolis": "Coriolis torque", "s3n": "S3N"}
+
+
+def quantity_name(check: str) -> str:
+    """Return the name of a check as words: ``"serial_coriolis"`` is ``"serial Coriolis torque"``."""
+    return " ".join(_WORDS.get(word, word) for word in check.split("_"))
+
 
 def verification_table(result: Verification) -> Group:
     """Return a table: verdict, every quantity with difference and tolerance, inertia of the variants, stated
@@ -22,14 +30,16 @@ def verification_table(result: Verification) -> Group:
     for check in result.checks:
         checks.add_row(
             "ok" if check.passed else Text("FAIL", style="bold red"),
-            text(check.name.replace("_", " ")),
+            text(quantity_name(check.name)),
             f"{check.value:.1e}",
             f"{check.tolerance:.0e}",
             unit_text(check.unit),
             text(check.about),
         )
     parts: list[RenderableType] = [verdict(sentence(result), result.passed), checks]
-    parts += [Text.assemble((f"{c.name}: ", "bold"), text(c.hint)) for c in result.checks if _told(c)]
+    parts += [
+        Text.assemble((f"{quantity_name(c.name)}: ", "bold"), text(c.hint)) for c in result.checks if _told(c)
+    ]
     if result.variants:
         inertia = table("variant", ("M11", "right"), ("M12", "right"), ("M22 [kg m²]", "right"))
         for name, values in result.variants.items():
@@ -54,7 +64,7 @@ def verification_table(result: Verification) -> Group:
 
 def sentence(result: Verification) -> str:
     """Return the verdict as one sentence."""
-    broken = [c.name for c in result.checks if not c.passed]
+    broken = [quantity_name(c.name) for c in result.checks if not c.passed]
     if not broken:
         return f"{result.model}: all {len(result.checks)} quantities agree."
     return f"{result.model}: {len(broken)} of {len(result.checks)} disagree: {', '.join(broken)}."

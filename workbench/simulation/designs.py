@@ -9,6 +9,7 @@ from math import lcm
 import numpy as np
 
 from workbench.core import Controller, InputError, Recording
+from workbench.core.text import counted
 from workbench.effects import axis_units
 from workbench.frf import Design, Limit
 from workbench.models import Model
@@ -81,7 +82,7 @@ def limits_of(model: Model, speed: Sequence[float] | None) -> list[Limit]:
     ]
     if speed:
         if len(speed) not in (1, model.size) or min(speed) <= 0:
-            problem = f"{len(speed)} speed limit(s) for {model.size} axes"
+            problem = f"{counted(len(speed), 'speed limit')} for {model.size} axes"
             raise InputError(
                 problem, column="--speed-limit", remedy="give one positive number, or one per axis"
             )

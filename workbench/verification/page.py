@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.core.text import counted
 from workbench.report.numbers import number
 from workbench.report.response import error_row, response_panel, words_of
 from workbench.report.sheet import Drawing, Panel, Section, Sheet
 from workbench.report.sheet_table import SheetTable
+from workbench.report.wording import capital
 
 from .picture import frf_figure
 from .responses import FrfComparison
@@ -46,7 +48,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
         sentence=_sentence(truth, error, noise, good),
         lines=tuple(lines),
         key_numbers=(
-            *((words_of(n), percent_of(error[n]), f"{number(error[n] / noise, 2)} × the uncertainty")
+            *((capital(words_of(n)), percent_of(error[n]), f"{number(error[n] / noise, 2)} × the uncertainty")
               for n in _shown(error, truth)),
             ("Measurement", percent_of(noise), "its own uncertainty"),
             ("Lines", str(sum(len(c.frf) for c in found)), _span(found)),
@@ -75,8 +77,8 @@ def _sentence(truth: str, error: dict[str, float], noise: float, good: bool) -> 
     if not others:
         return f"{how}."
     best, last = min(others, key=others.__getitem__), max(others, key=others.__getitem__)
-    tail = f"; {words_of(last)} by {percent_of(others[last])}" if last != best else ""
-    return f"{how}; of the serial trees {words_of(best)} misses it by {percent_of(others[best])}{tail}."
+    tail = f", {words_of(last)} by {percent_of(others[last])}" if last != best else ""
+    return f"{how}. Of the serial trees, {words_of(best)} misses it by {percent_of(others[best])}{tail}."
 
 
 def _shown(error: dict[str, float], truth: str) -> list[str]:
@@ -157,8 +159,8 @@ def _section(c: FrfComparison, number_: int, count: int) -> Section:
     caption = (
         f"From {c.frf.inputs[0].signal.replace('_', ' ')} to {what}. Grey: 95 % of the measurement's "
         "magnitude and phase, and under the errors the part that its own uncertainty explains. Where "
-        f"noise dominates, no phase is drawn. {c.frf.periods} periods, {c.frf.realisations} "
-        "realisation(s)."
+        f"noise dominates, no phase is drawn. {counted(c.frf.periods, 'period')}, "
+        f"{counted(c.frf.realisations, 'realisation')}."
     )
     return Section(
         f"posture-{number_ + 1}",

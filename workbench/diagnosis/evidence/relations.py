@@ -96,7 +96,7 @@ def relation_lines(axis: str, found: Sequence[Relation]) -> list[str]:
 
 
 def _amount(r: Relation) -> str:
-    return f" (slope {r.size:.2g} {r.unit})" if np.isfinite(r.size) else ""
+    return f" (slope {r.size:.2g} {r.unit})".replace("-", "−") if np.isfinite(r.size) else ""
 
 
 def _chance(p: float) -> str:

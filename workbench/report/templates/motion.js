@@ -59,7 +59,8 @@ function drawCurve(canvas, time) {
   c.clearRect(0, 0, wide, high);
   c.fillStyle = style("--quiet");
   c.font = "13px sans-serif";
-  for (const v of [min, max]) c.fillText(short(v), 2, place(x0, v)[1] + 4);
+  const near = v => short(Math.abs(v) < 0.002 * span ? 0 : v); // a label of many digits would run into the curve
+  for (const v of [min, max]) c.fillText(near(v), 2, place(x0, v)[1] + 4);
   c.fillText(`${p.across}: ${short(x0)} to ${short(x0 + across)}`, left, high - 4);
   p.curves.forEach(([, y], k) => {
     c.strokeStyle = colours()[k % 6];
