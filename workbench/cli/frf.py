@@ -66,5 +66,5 @@ def frf(
 
 
 def _numbered(path: Path, count: int) -> list[Path]:
-    """One file a posture."""
+    """One file per posture."""
     return [path] + [path.with_stem(f"{path.stem}_{k}") for k in range(2, count + 1)]

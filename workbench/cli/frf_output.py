@@ -15,7 +15,7 @@ from workbench.verification import FrfComparison
 
 
 def frf_table(found: Sequence[FrfComparison]) -> Group:
-    """One table a posture: how far every model is from the measurement, and where most."""
+    """One table per posture: how far every model is from the measurement, and where most."""
     parts: list[RenderableType] = []
     for c in found:
         frf = c.frf

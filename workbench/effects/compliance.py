@@ -20,14 +20,14 @@ from .parameter import Place, Values
 class Compliance(Effect):
     """An effect that gives the tree new joints, and therefore is installed first.
 
-    No sensor shows where its links are. The torque lacking along a motion says much of it, and closed loops
-    are dear to simulate: so its first values come from there.
+    No sensor measures its links. Its initial values come from the residual torque along the measured motion,
+    because closed loops are expensive to simulate.
 
     Attributes:
         spring: whether it is a spring and a damper behind one axis, with `stiffness` and `damping`: several
             of them are fitted to the torque together.
-        diverges: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
-            the torque says.
+        diverges: whether trajectories diverge for small parameter changes; then a fit of closed-loop runs adds
+            nothing to the fit of the torque.
     """
 
     stage = SignalStage.MECHANISM

@@ -18,7 +18,7 @@ class Spread:
     Attributes:
         mean: over robots, weighted by what is known of each and by how much they differ.
         std: of the mean.
-        between: standard deviation of the robots' own values, estimation errors taken off; 0 where these
+        between: standard deviation of the robots' own values, estimation errors subtracted; 0 where these
             explain all.
         ratio: scatter over what the estimates' deviations let expect; about 1 for robots that are alike.
         p_value: chance of at least this scatter if all were alike.

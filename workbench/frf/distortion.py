@@ -34,7 +34,7 @@ class Distortion:
         level, noise: output and its noise at these, (F, ny).
         odd_frequency, odd, odd_noise: silent odd lines (A,), what is there, and the noise there, (A, ny).
         even_frequency, even, even_noise: the same at even lines, (B,) and (B, ny).
-        odd_share, even_share: distortion (noise taken off) as a part of the output's level, rms over the
+        odd_share, even_share: distortion (noise subtracted) as a part of the output's level, rms over the
             band, (ny,); 0 where it does not stand out of the noise, NaN where no line listens.
         odd_found, even_found: whether it stands out at the 0.1 % level, (ny,) bool.
     """

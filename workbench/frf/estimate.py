@@ -55,8 +55,8 @@ def estimate(
         period_s: None takes what the recordings state, else what their autocorrelation shows.
         lines: excited harmonics; None takes what the reference shows.
         transient_periods: leading periods to drop; None drops those that still differ from the later ones.
-        leakage: take off the lines what the record's ends leak, and read the noise between them; else the
-            periods are averaged plainly, and their scatter is the noise.
+        leakage: subtract the leakage of the record's ends from the lines, and estimate the noise between
+            them; else the periods are averaged, and their scatter is the noise.
         method: ``"robust"`` takes the total variance from realisation to realisation, ``"fast"`` adds to the
             noise what appears on silent odd lines; ``"auto"`` is robust with two realisations or more.
 

@@ -41,7 +41,7 @@ class Design:
         rate_hz: samples per second.
         experiments: one period of each experiment, shape (E, N, n).
         lines: excited harmonics of the period, ascending, shape (F,).
-        trials: one entry an experiment.
+        trials: one entry per experiment.
         grid: how the lines were chosen.
         periods: periods to play that count.
         transient_periods: periods to play before these, until the response has become periodic.

@@ -28,7 +28,7 @@ class Measured:
         listening: odd and even detection harmonics.
         frequency: of all lines together [Hz], ascending order of `every`.
         every: excited and detection harmonics, ascending, (L,).
-        spectra: one entry an experiment, at `every`.
+        spectra: one entry per experiment, at `every`.
         posture: mean measured position of every axis over the rows used.
         notes: what was done to the data.
     """

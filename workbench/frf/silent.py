@@ -1,6 +1,6 @@
 """What is measured at lines where nothing was excited: noise, and nonlinear distortion.
 
-What the input itself carries there (feedback, a nonlinear drive) is taken off with the response between the
+What the input itself carries there (feedback, a nonlinear drive) is subtracted with the response between the
 neighbouring lines. Pintelon and Schoukens 2012, ch. 4 (fast method, correction for the input's lines).
 """
 

@@ -77,7 +77,7 @@ def reduce(
 ) -> Spectra:
     """Return mean and noise of the periods after the transient.
 
-    With `leakage` the noise is read between the lines, and leakage is taken off. Without, and where periods
+    With `leakage` the noise is estimated between the lines, and leakage is subtracted. Without, and where periods
     are too short for that, they are averaged, and their scatter is the noise.
 
     Args:

@@ -33,8 +33,8 @@ def anchor_assets(spec: mujoco.MjSpec, file: Path) -> None:
 def _digits(count: int) -> Iterator[None]:
     """Set how many digits MuJoCo's writer gives.
 
-    It has a function for it that Python does not show; without it the text comes out with six digits, which
-    whoever needs more finds out by reading it back.
+    MuJoCo's library has a function for this, but its Python bindings do not expose it. If the function is
+    missing, the text has six digits; callers that need more compare the text with the model.
     """
     found = [p for p in Path(mujoco.__file__).parent.iterdir() if _is_library(p.name)]
     library = ctypes.CDLL(str(found[0])) if found else None

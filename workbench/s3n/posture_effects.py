@@ -12,7 +12,7 @@ from workbench.serial_tree import SerialTree
 
 
 class AddedToLinks:
-    """Mass that effects of a model add to its links, or take off.
+    """Mass that effects of a model add to its links, or remove.
 
     Attributes:
         mass: of all of it [kg].

@@ -49,10 +49,10 @@ def fit_native(
 ) -> FittedTree:
     """Return a model's serial tree fitted to its closed chain; takes some seconds.
 
-    The links' inertials are chosen anew, each drive is a tendon in space whose length is the drive's
-    position, with rotor, drag and motor, and weight that hangs on a drive is a spring's, which is right while
-    the base is level. Where the transmission changes, the file has of effects at the drives rotor, damping,
-    dry friction and what a motor has, and all that effects add to the links' masses; of others none.
+    The fit chooses new inertials for the links. Each drive is a tendon in space: its length is the drive's
+    position, and it carries rotor, damping and motor. Springs stand for the weight that a drive carries,
+    which is right while the base is level. If the transmission changes with the posture, the file contains
+    these effects: rotor, damping, dry friction and motor properties of the drives, and added mass of links.
 
     Args:
         model: with a closed chain and its limits.

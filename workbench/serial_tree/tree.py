@@ -64,7 +64,7 @@ class SerialTree:
         return self._newton_euler(q, v, np.zeros_like(np.asarray(v, float)))
 
     def gravity(self, q: np.ndarray) -> np.ndarray:
-        """Torque that gravity exerts on the joints, (N, k) [N m], gravity compensation taken off."""
+        """Torque that gravity exerts on the joints, (N, k) [N m], gravity compensation subtracted."""
         weights, still = self._weights.ravel(), np.zeros(self.size)
         return -np.stack([self._links(p, still, still) @ weights for p in self._positions(q)])[:, self._back]
 
@@ -74,7 +74,7 @@ class SerialTree:
         return self._newton_euler(q, v, a) + rotors - self.gravity(q)
 
     def potential_energy(self, q: np.ndarray) -> np.ndarray:
-        """Of the weights, gravity compensation taken off, (N,) [J]; zero at the world's origin."""
+        """Of the weights, gravity compensation subtracted, (N,) [J]; zero at the world's origin."""
         g = self._tree.model.gravity.linear
         out = np.empty(len(q))
         for i, position in enumerate(self._positions(q)):

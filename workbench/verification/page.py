@@ -25,7 +25,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
 
     Args:
         model: its name.
-        found: one entry a posture, one at least.
+        found: at least one, one entry per posture.
     """
     names = list(found[0].models)
     error = {n: _pooled([c.error[n] for c in found]) for n in names}

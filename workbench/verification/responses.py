@@ -49,7 +49,7 @@ class FrfComparison:
 
 
 def compare_frf(model: Model, recordings: list[Recording]) -> list[FrfComparison]:
-    """Measured responses beside the model's, one entry a posture.
+    """Measured responses beside the model's, one entry per posture.
 
     Args:
         model: with its drives' delay; variants and closed chain as far as it states them.
