@@ -26,8 +26,8 @@ class Compliance(Effect):
     Attributes:
         spring: whether it is a spring and a damper behind one axis, with `stiffness` and `damping`: several
             of them are fitted to the torque together.
-        diverges: whether trajectories diverge for small parameter changes; then a fit of closed-loop runs adds
-            nothing to the fit of the torque.
+        diverges: whether trajectories diverge for small parameter changes; then a fit of closed-loop runs
+            adds nothing to the fit of the torque.
     """
 
     stage = SignalStage.MECHANISM

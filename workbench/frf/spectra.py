@@ -77,8 +77,8 @@ def reduce(
 ) -> Spectra:
     """Return mean and noise of the periods after the transient.
 
-    With `leakage` the noise is estimated between the lines, and leakage is subtracted. Without, and where periods
-    are too short for that, they are averaged, and their scatter is the noise.
+    With `leakage` the noise is estimated between the lines, and leakage is subtracted. Without, and where
+    periods are too short for that, they are averaged, and their scatter is the noise.
 
     Args:
         columns: P whole periods, (P rows, nz).
