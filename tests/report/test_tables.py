@@ -61,6 +61,14 @@ def test_diagnose_names_the_effect_with_its_interval_and_lookalike(diagnosis):
     assert "0.201 -> 0.0312" in text and "Measure next: Move the knee slowly" in text
 
 
+def test_a_number_that_was_not_fitted_has_no_interval(diagnosis):
+    (finding, *rest) = diagnosis.findings
+    name = next(iter(finding.parameters))
+    fixed = replace(finding, parameters={name: Estimate(0.0, 0.0, "kg*m")})
+    text = printed(diagnosis_table(replace(diagnosis, findings=(fixed, *rest))))
+    assert "0 kg m" in text and "0 kg m  (95 %)" not in text
+
+
 def test_a_held_out_error_stands_beside_its_own_noise_floor(diagnosis):
     text = printed(diagnosis_table(replace(diagnosis, holdout_noise_error=0.0303)))
     assert "0.201 -> 0.0312  (noise floor 0.0303)" in text

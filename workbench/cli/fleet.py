@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from workbench.core.text import counted
+
 from .common import ForceOption, HtmlOption, JsonOption, QuietOption, SeedOption, check_outputs, write_result
 from .deliver import deliver_sheet
 from .progress import progress
@@ -76,7 +78,7 @@ def fleet(
     check_outputs(json, html, force=force)
     robots = find_robots(recordings, model, holdout)
     with progress(quiet) as tell:
-        tell(f"diagnosing {len(robots)} robots")
+        tell(f"diagnosing {counted(len(robots), 'robot')}")
         told = run_fleet(robots, output, seed=seed, jobs=jobs, ray=ray, force=force, progress=tell)
     found = summarise(told)
     files = files_read(robots)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.core import Estimate
+from workbench.core.text import counted
 from workbench.report.numbers import interval, number, unit_text
 from workbench.report.sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
 from workbench.report.wording import capital, effect_phrase, parameter_name
@@ -30,7 +31,7 @@ def fleet_sheet(fleet: Fleet) -> Sheet:
     recordings = sum(len(r["recordings"]) + len(r["held_out"]) for r in fleet.robots)
     return Sheet(
         kind="fleet",
-        model=f"{len(fleet.robots)} robots",
+        model=counted(len(fleet.robots), "robot"),
         tone=tone,
         sentence=w.sentence(fleet),
         lines=tuple(line for e in fleet.effects for line in w.differences(e))[:3],

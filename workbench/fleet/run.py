@@ -13,6 +13,7 @@ from typing import Any
 from joblib import Parallel, cpu_count, delayed, parallel_config
 
 from workbench.core import FORMAT, InputError
+from workbench.core.text import counted
 
 from .robots import Robot
 from .store import fingerprint, result_file, stored
@@ -106,7 +107,7 @@ def _run(
     try:
         for name, problem in side_by_side(delayed(_named)(*task, share) for task in work):
             done += 1
-            progress(f"{done} of {whole} robots", done / whole)
+            progress(f"{done} of {counted(whole, 'robot')}", done / whole)
             if problem is not None:
                 failed[name] = problem
     except Exception as error:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.core import Estimate
+from workbench.core.text import counted
 from workbench.report.numbers import interval, number, plain
 from workbench.report.wording import any_of, capital, effect_phrase, parameter_name, times_noise
 
@@ -21,7 +22,7 @@ def sentence(fleet: Fleet) -> str:
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
-    parts = [f"A missing effect was found in {len(lacking)} of {total} robots"]
+    parts = [f"A missing effect was found in {len(lacking)} of {counted(total, 'robot')}"]
     if fleet.effects:
         first = fleet.effects[0]
         often = "most often " if len(fleet.effects) > 1 else ""

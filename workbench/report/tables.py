@@ -185,7 +185,8 @@ def _finding(place: int, f: Finding, held_floor: float | None) -> list[Renderabl
     rows.add_column(no_wrap=True, style="dim")
     rows.add_column(overflow="fold")
     for name, e in f.parameters.items():
-        rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
+        known = "  (95 %)" if e.std > 0 else ""  # a number that was not fitted has no interval
+        rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}{known}"))
     total = w.total_phrase(f)
     if total:
         rows.add_row("in all", total)
