@@ -131,9 +131,11 @@ def _responses(fit: Fit, frfs: Sequence[Frf]) -> list[Section]:
             )
             for i, j in np.ndindex(frf.response.shape[1:])
         )
-        where = ", ".join(number(x) for x in frf.posture)
+        axes = dict.fromkeys(o.axis for o in frf.outputs)
+        unit = "m" if frf.outputs[0].unit in ("m", "m/s") else "rad"
+        where = ", ".join(f"{a} {number(x)} {unit}" for a, x in zip(axes, frf.posture, strict=False))
         caption = (
-            f"From {frf.inputs[0].signal.replace('_', ' ')} to {frf.outputs[0].signal}; posture {where}. "
+            f"From {frf.inputs[0].signal.replace('_', ' ')} to {frf.outputs[0].signal}; about {where}. "
             "Grey: 95 % of the measured magnitude and phase, and under the residual the measurement's own "
             f"uncertainty. {len(frf)} lines, {frf.periods} periods."
         )
