@@ -38,10 +38,10 @@ def error_figure(answers: Mapping[str, Answer]) -> Figure:
         else:
             ax.plot(after, y, "o", ms=5.5, color=_light("after"))
     ax.axvline(1.0, color=_light("noise"), ls="--", lw=1.2)
-    ax.plot([], [], "o", ms=8, mfc="white", mec=_light("before"), mew=1.8, label="as given")
-    ax.plot([], [], "o", ms=5.5, color=_light("after"), label="with what was named")
+    ax.plot([], [], "o", ms=8, mfc="white", mec=_light("before"), mew=1.8, label="model as given")
+    ax.plot([], [], "o", ms=5.5, color=_light("after"), label="with the named effects")
     ax.plot([], [], color=_light("noise"), ls="--", label="noise floor: a perfect model")
-    ax.set(xscale="log", xlabel="error over noise floor, on data that were not fitted [1]")
+    ax.set(xscale="log", xlabel="error divided by the noise floor, on data that were not fitted")
     ax.set_yticks(range(len(shown)), [m["title"] for m in shown])
     ax.invert_yaxis()
     ax.grid(axis="x", color=_light("rule"))
@@ -75,8 +75,8 @@ def value_figure(answers: Mapping[str, Answer]) -> Figure:
         ax.set(xlim=(0.0, 3.0), ylim=(len(found) - 0.4, -0.6))
         ax.set_title(title, fontsize=10, loc="left")
         ax.grid(axis="x", color=_light("rule"))
-    legend = "✕ at 0: not named;  orange: outside its bounds"
-    axes[-1, 0].set(xlabel=f"said over known, with 95 % interval [1];  {legend}")
+    legend = "✕ at 0: not named;  orange: outside the tolerance"
+    axes[-1, 0].set(xlabel=f"found divided by known value, with 95 % interval\n{legend}")
     axes[-1, 0].set_xticks(np.arange(0.0, 3.1, 0.5))
     return figure
 

@@ -52,7 +52,7 @@ def diagnose(
     seed: int = 0,
     progress: Progress = lambda text: None,
 ) -> Diagnosis:
-    """Diagnose which physical effects are missing from a model.
+    """Return the physical effects that are missing from a model: which, how large, and how sure.
 
     Args:
         model: what we believe.

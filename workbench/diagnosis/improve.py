@@ -26,7 +26,7 @@ def improve(
     nearest: bool = False,
     progress: Progress = lambda text: None,
 ) -> tuple[Improvement, Model]:
-    """Diagnose a model and add effects until the data are explained.
+    """Return the steps of an improvement, and the model with all effects that explain the data.
 
     Args:
         model: what we believe.

@@ -22,7 +22,8 @@ FEW = 200  # rows below which nothing is compared
 
 
 def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None = None) -> Inspection:
-    """Look for swapped axes, wrong signs, units and gains, clock offsets, limits, noise, excitation.
+    """Return what recordings say about themselves: swapped axes, wrong signs, units and gains, clock offsets,
+    limits, noise.
 
     Args:
         recordings: what was measured.

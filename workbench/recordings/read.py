@@ -26,7 +26,7 @@ from .wrap import unwrap
 
 
 def load_recording(path: str | Path) -> Recording:
-    """Read one recording.
+    """Return the recording that a TOML file describes, checked and in SI units.
 
     Args:
         path: its TOML file.
@@ -155,7 +155,7 @@ def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.
 
 
 def load_recordings(paths: str | Path | Iterable[str | Path]) -> Recordings:
-    """Read several recordings.
+    """Return the recordings of several TOML files or patterns.
 
     Args:
         paths: TOML files or patterns (``"data/*.toml"``), or one of them; what a pattern finds is sorted, and

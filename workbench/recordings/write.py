@@ -39,7 +39,7 @@ def save_recording(
     recording: Recording, toml_path: str | Path, *, compress: bool = True, force: bool = False,
     beside: Mapping[Path, bytes] | None = None,
 ) -> None:  # fmt: skip
-    """Write a recording that `load_recording` reads back.
+    """Write a recording as a table and a TOML file that `load_recording` reads back.
 
     The table stands beside the TOML under the same name, as ``.csv.gz`` (``.csv`` without `compress`).
     Derived signals are left out, so that they are not taken for measured ones when read.
