@@ -45,7 +45,7 @@ def error_figure(answers: Mapping[str, Answer]) -> Figure:
     ax.set_yticks(range(len(shown)), [m["title"] for m in shown])
     ax.invert_yaxis()
     ax.grid(axis="x", color=_light("rule"))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.3, -0.12), ncols=3, frameon=False)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.2, -0.12), ncols=3, frameon=False, columnspacing=1.2)
     return figure
 
 
