@@ -26,6 +26,8 @@ from ..screening.compliance import compliance_candidates
 from ..screening.sensitivity import Linearisation
 from .choice import Explanation
 
+_NAMED = 3  # effects that a line of progress names
+
 
 @dataclass(frozen=True)
 class SearchState:
@@ -123,7 +125,10 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Exp
 
 def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
     """Return candidates with their fits, without those whose simulation fails."""
-    at.progress(f"fitting {any_of(effect_phrases([c.key for c in chosen]))}")
+    named = effect_phrases([c.key for c in chosen])
+    if len(named) > _NAMED:  # a line of a terminal holds no more
+        named = [*named[: _NAMED - 1], f"{len(named) - _NAMED + 1} other effects"]
+    at.progress(f"fitting {any_of(named)}")
     pairs: list[Explanation] = []
     for diverges in (False, True):
         part = [c for c in chosen if kinds.diverges(effect_named(c.key.effect)) is diverges]
