@@ -145,5 +145,9 @@ def test_a_centre_of_mass_that_is_far_off(tmp_path: Path, factor: float) -> None
     """Its inertia changes by the square of its lever; a linearisation would rather have another mass."""
     found = told(tmp_path, upper_centre=0.17 * factor)
     (finding,) = found.findings
-    assert (finding.key.effect, finding.key.axis, finding.number) == ("first_moment_error", "lift", "first moment")
+    assert (finding.key.effect, finding.key.axis, finding.number) == (
+        "first_moment_error",
+        "lift",
+        "first moment",
+    )
     assert finding.parameters["along"].value == pytest.approx(2.4 * 0.17 * (1.0 - factor), rel=0.02)

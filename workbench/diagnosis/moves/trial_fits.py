@@ -142,7 +142,7 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
 
 
 def _in_best_form(fits: Sequence[Explanation]) -> list[Explanation]:
-    """Return one fit per effect: that of the form that leaves least, or of a simpler one that ties with it."""
+    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it."""
     known: dict[EffectKey, list[Explanation]] = {}
     for candidate, found in fits:
         known.setdefault(candidate.key, []).append((candidate, found))
