@@ -138,3 +138,16 @@ def test_the_mass_of_the_first_link_is_one_number(tmp_path: Path) -> None:
     assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "yaw")
     assert (finding.number, finding.model_value) == ("mass", 5.0)
     assert finding.total is not None and finding.total.value == pytest.approx(3.0, rel=0.02)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_centre_of_mass_that_is_far_off(tmp_path: Path, factor: float) -> None:
+    """Its inertia changes by the square of its lever; a linearisation would rather have another mass."""
+    found = told(tmp_path, upper_centre=0.17 * factor)
+    (finding,) = found.findings
+    assert (finding.key.effect, finding.key.axis, finding.number) == (
+        "first_moment_error",
+        "lift",
+        "first moment",
+    )
+    assert finding.parameters["along"].value == pytest.approx(2.4 * 0.17 * (1.0 - factor), rel=0.02)

@@ -20,6 +20,7 @@ from ..hypothesis import Fit, Hypothesis
 from ..node import is_consistent
 from ..policy import POLICY
 from ..problem import evaluated, starting_fit
+from ..screening.alike import in_common
 from ..screening.rivals import rivals_of
 from ..screening.selection import Selection
 from ..screening.stepwise_regression import selected
@@ -56,7 +57,7 @@ def certain_of(
 
     Where noise explains the rest nothing is asked, but for `whatever_is_left`.
     """
-    chosen = selected(regression)
+    chosen = in_common(selected(regression), regression)
     whole = fit_of_selection(regression, chosen, start, data)
     if whole is None or (is_consistent(data, whole.mean_squares) and not whatever_is_left):
         return whole and Certain(regression, chosen, whole, {})
@@ -86,13 +87,14 @@ def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, da
     """Return the fit of all selected effects that are significant and identified by the motions.
 
     What a fit drew out of the reach of these goes first. Of two that trade with each other neither is clear,
-    until one is out: of each axis the least clear goes first.
+    until one is out: of each axis the least clear goes first. What joints of one design share has one size.
     """
     if not chosen.chosen:
         return None
     candidates = chosen.candidates()
     found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
     while found is not None:
+        found = _with_shared_sizes(found, chosen.shared, data)
         told = tuple(a for a in found.hypothesis.free if told_by_motion(regression.linearisation, a, found))
         if len(told) < len(found.hypothesis.free):
             found = fit([replace(found.hypothesis, free=told)], data)[0] if told else None
@@ -107,6 +109,32 @@ def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, da
         clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
         found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
     return found
+
+
+def _with_shared_sizes(found: Fit, shared: Sequence[frozenset[EffectKey]], data: Data) -> Fit:
+    """Return the fit in which each of the shared effects has the mean of its sizes, weighted by variances.
+
+    If they scatter more than their deviations say, the deviation of the mean grows with that.
+    """
+    values = {a.key: a for a in found.hypothesis.free}
+    for keys in shared:
+        there = [values[key] for key in values if key in keys]
+        if len(there) < 2:
+            continue
+        (name,) = there[0].parameters
+        each = np.array([(a.parameters[name].value, a.parameters[name].std) for a in there])
+        weights = 1.0 / np.maximum(each[:, 1], 1e-12) ** 2
+        mean = float(np.average(each[:, 0], weights=weights))
+        scatter = np.sum(weights * (each[:, 0] - mean) ** 2) / (len(there) - 1)
+        std = float(np.sqrt(max(1.0, scatter) / weights.sum()))
+        for a in there:
+            own = replace(a.parameters[name], value=mean, std=std)
+            values[a.key] = AppliedEffect(a.key, {name: own})
+    free = tuple(values.values())
+    if free == found.hypothesis.free:
+        return found
+    hypothesis = replace(found.hypothesis, free=free)
+    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
 
 
 def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
@@ -148,7 +176,7 @@ def beside_strangers(
             break
         freed, begun = freed_of(start, rest, data, seed)
         regression = regression_of(begun, freed)
-        again = fit_of_selection(regression, selected(regression), begun, freed)
+        again = fit_of_selection(regression, in_common(selected(regression), regression), begun, freed)
         if again is None:
             break
         found = evaluated(again.hypothesis, data.run([again.hypothesis.model])[0], data)

@@ -124,14 +124,15 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Exp
 
 
 def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
-    """Return candidates with their fits, without those whose simulation fails."""
+    """Return candidates with their fits, each in its best form, without those whose simulation fails."""
     named = effect_phrases([c.key for c in chosen])
     if len(named) > _NAMED:  # a line of a terminal holds no more
         named = [*named[: _NAMED - 1], f"{len(named) - _NAMED + 1} other effects"]
     at.progress(f"fitting {any_of(named)}")
     pairs: list[Explanation] = []
+    in_all_forms = [form for c in chosen for form in (c, *c.others)]
     for diverges in (False, True):
-        part = [c for c in chosen if kinds.diverges(effect_named(c.key.effect)) is diverges]
+        part = [c for c in in_all_forms if kinds.diverges(effect_named(c.key.effect)) is diverges]
         if not part:
             continue
         tried = [with_candidate(at.linearisation, c, at.current) for c in part]
@@ -139,10 +140,24 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
             results = fit(tried, at.data, 1)
         else:
             results, shares = successive_halving(tried, at.current, at.data)
-            known = zip(part, shares, strict=True)
-            at.at_first.update((c.key, x) for c, x in known if x is not None)
+            for c, x in zip(part, shares, strict=True):
+                if x is not None:
+                    at.at_first[c.key] = max(x, at.at_first.get(c.key, x))
         pairs += [(c, _as_read(c, f, at)) for c, f in zip(part, results, strict=True) if f is not None]
-    return sorted(pairs, key=lambda cf: cf[1].training_loss)
+    return sorted(_in_best_form(pairs), key=lambda cf: cf[1].training_loss)
+
+
+def _in_best_form(fits: Sequence[Explanation]) -> list[Explanation]:
+    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it."""
+    known: dict[EffectKey, list[Explanation]] = {}
+    for candidate, found in fits:
+        known.setdefault(candidate.key, []).append((candidate, found))
+    best = []
+    for own in known.values():
+        most = (1.0 + POLICY.tie) * min(f.test_loss for _, f in own)
+        ties = [(c, f) for c, f in own if f.test_loss <= most]
+        best.append(min(ties, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)))
+    return best
 
 
 def _as_read(candidate: Candidate, found: Fit, at: SearchState) -> Fit:

@@ -20,6 +20,8 @@ class Candidate:
         shape: nonlinear parameters.
         test_loss: predicted weighted mean square on data that were not fitted.
         beside: nonlinear parameters of the model's own effects, when this one is added.
+        others: the same effect in its other forms: what a linearisation shows of a large change need not tell
+            which of them it was.
     """
 
     key: EffectKey
@@ -27,3 +29,4 @@ class Candidate:
     shape: Mapping[str, float]
     test_loss: float
     beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
+    others: tuple[Candidate, ...] = ()

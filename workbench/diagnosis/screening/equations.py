@@ -22,13 +22,22 @@ _BLOCK = 64  # columns propagated together
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An effect of one shape: the indices of its columns, and the effect at unit size."""
+    """An effect of one shape: the indices of its columns, and the effect at unit size.
+
+    `alike`: the same effect on each of several joints of one design, of which this one is all at one size.
+    """
 
     key: EffectKey
     shape: Mapping[str, float]
     linear: list[int]
     fixed: int | None
     strength: float
+    alike: tuple[Entry, ...] = ()
+
+    @property
+    def members(self) -> tuple[Entry, ...]:
+        """Return the effects of single places that this entry stands for."""
+        return self.alike or (self,)
 
 
 def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:

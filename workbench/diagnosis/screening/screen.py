@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def screen(
     """
     following = [c for applied in free for c in linearisation.derivatives(applied)]
     kept, known = list(range(len(following))), propagate_sensitivities([linearisation], [following], data)[0]
-    best: dict[EffectKey, Candidate] = {}
+    forms: dict[tuple[EffectKey, frozenset[str]], Candidate] = {}
     without: float | None = None
     size = int(np.clip(_HELD // sum(m.position.size for m in linearisation.motions), 1, _BLOCK))
     taken = {applied.key for applied in free}
@@ -58,11 +59,21 @@ def screen(
             without = block.judged((), kept=kept)[0]
         for entry in block.entries:
             test_loss, x = block.judged([entry], bounds_of(linearisation, [entry], len(kept)), kept)
-            if entry.key not in best or test_loss < best[entry.key].test_loss:
-                best[entry.key] = Candidate(entry.key, x[len(kept) :], entry.shape, test_loss)
+            form = entry.key, frozenset(entry.shape)
+            if form not in forms or test_loss < forms[form].test_loss:
+                forms[form] = Candidate(entry.key, x[len(kept) :], entry.shape, test_loss)
     apart = [c for c in by_runs(linearisation, data) if c.key not in taken]
-    found = [*by_command_path(linearisation, best.values(), without or 0.0), *apart]
+    best = _in_best_form(forms.values())
+    found = [*by_command_path(linearisation, best, without or 0.0), *apart]
     return sorted(found, key=lambda c: c.test_loss)
+
+
+def _in_best_form(forms: Iterable[Candidate]) -> list[Candidate]:
+    """Return each effect in the form that leaves least, with its other forms."""
+    known: dict[EffectKey, list[Candidate]] = {}
+    for candidate in sorted(forms, key=lambda c: c.test_loss):
+        known.setdefault(candidate.key, []).append(candidate)
+    return [replace(own[0], others=tuple(own[1:])) for own in known.values()]
 
 
 def _blocks(

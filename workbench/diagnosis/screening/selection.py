@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
 
 from ..policy import POLICY
@@ -15,10 +16,14 @@ from .torque_regression import Chosen, Regression, Solution
 
 @dataclass(frozen=True)
 class Selection:
-    """The chosen effects in the order of choice, with the fit of all of them."""
+    """The chosen effects in the order of choice, with the fit of all of them.
+
+    `shared`: effects that have one size, on joints of one design.
+    """
 
     chosen: Chosen
     solution: Solution
+    shared: tuple[frozenset[EffectKey], ...] = ()
 
     def candidates(self) -> list[Candidate]:
         """Return each effect with its coefficients."""

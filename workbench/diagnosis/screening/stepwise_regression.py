@@ -29,7 +29,7 @@ def selected(regression: Regression) -> Selection:
     first = _selected_from((), regression)
     good = [first]
     for group in _one_make(regression):
-        of_these = _grown(selection_of(group, regression), regression, first.chosen)
+        of_these = grown(selection_of(group, regression), regression, first.chosen)
         if cost_of(of_these.chosen) < cost_of(first.chosen):
             other = _selected_from(group, regression)
             # what the others explain beside it is held to what any later effects are held to
@@ -42,9 +42,9 @@ def _selected_from(start: Chosen, regression: Regression) -> Selection:
     now, visited = selection_of(start, regression), set[frozenset[Entry]]()
     while frozenset(now.chosen) not in visited:
         visited.add(frozenset(now.chosen))
-        grown = _grown(now, regression, regression.entries)
-        now = _one_for_several(_without_needless(reformed(grown, regression), regression), regression)
-        if len(now.chosen) == len(grown.chosen):
+        more = grown(now, regression, regression.entries)
+        now = _one_for_several(without_needless(reformed(more, regression), regression), regression)
+        if len(now.chosen) == len(more.chosen):
             break
     return now
 
@@ -60,7 +60,7 @@ def _one_make(regression: Regression) -> list[Chosen]:
     return [tuple(own.values()) for own in out.values() if 1 < len(own) == len(model.driven)]
 
 
-def _grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
+def grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
     """Return the selection with all of some effects that help, added one at a time."""
     proposals = [*((e,) for e in entries), *_sets_of_basics(entries)]
     gains: dict[Chosen, np.ndarray] = {}
@@ -69,7 +69,7 @@ def _grown(now: Selection, regression: Regression, entries: Chosen) -> Selection
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
                 gains[new] = _gain(new, now, regression)
-        helpful = {p: g for p, g in gains.items() if (g > _least(p, regression)).any() and g.sum() > 0.0}
+        helpful = {p: g for p, g in gains.items() if (g > least_gain(p, regression)).any() and g.sum() > 0.0}
         new = _next(helpful)
         while new and _only_refines(new, now, regression):
             proposals.remove(new)  # whatever comes on other axes
@@ -92,7 +92,7 @@ def _gain(new: Chosen, now: Selection, regression: Regression) -> np.ndarray:
     """Return the gain of some new effects on each axis (n,); zero if the fit itself promises too little."""
     chosen = with_new(now.chosen, new)
     promised = promised_gain(chosen, now, regression)
-    if not (promised > POLICY.screened_gain * _least(new, regression)).any():
+    if not (promised > POLICY.screened_gain * least_gain(new, regression)).any():
         return np.zeros_like(promised)
     found = regression.solved(chosen)
     gain = gain_of(found, now.solution, regression)
@@ -159,8 +159,8 @@ def fits_in(new: Chosen, chosen: Chosen) -> bool:
     """Return whether none of some new effects is already present, in this or another form."""
     return all(
         n.key != e.key and not contains(e.key, n.key) and (contains(n.key, e.key) or _apart(n, e))
-        for n in new
-        for e in chosen
+        for n in (m for each in new for m in each.members)
+        for e in (m for each in chosen for m in each.members)
         if n.key.axis == e.key.axis or None in (n.key.axis, e.key.axis)
     )
 
@@ -177,7 +177,7 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
     return [s for own in places for size in (2, 3) for s in combinations(own, size)]
 
 
-def _least(new: Chosen, regression: Regression) -> float:
+def least_gain(new: Chosen, regression: Regression) -> float:
     """Return the smallest gain on an axis for which effects are added: low for basic effects, and for more of
     what the model has (such as another harmonic of its ripple).
     """
@@ -214,13 +214,13 @@ def _is_as_good(one: Solution, other: Solution) -> bool:
     return all(bool(np.all(a <= (1.0 + POLICY.tie) * b)) for a, b in pairs)
 
 
-def _without_needless(now: Selection, regression: Regression) -> Selection:
+def without_needless(now: Selection, regression: Regression) -> Selection:
     """The selection without effects that the others made needless; the most needless is removed first."""
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
         fewer = [selection_of(r, regression) for r in rest]
         lost = [
-            float((gain_of(now.solution, f.solution, regression) / _least((out,), regression)).max())
+            float((gain_of(now.solution, f.solution, regression) / least_gain((out,), regression)).max())
             for out, f in zip(now.chosen, fewer, strict=True)
         ]
         k = int(np.argmin(lost))

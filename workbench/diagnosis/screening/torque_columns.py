@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import Compliance, OnGround, SignalStage, Values, effect_named, kinds, places
-from workbench.models import Placement
+from workbench.models import Model, Placement, alike_axes
 
 from ..data import Data
 from ..fitting.normal_equations import Normal, total
@@ -79,6 +80,13 @@ def regression_of(start: Fit, data: Data) -> Regression:
         np.concatenate([part[i][own, 1] for part in parts], axis=-1) if parts else np.zeros((len(own), 0))
         for i, own in enumerate(rows)
     ]
+    alike = _alike(entries, len(columns), model)
+    pieces = [
+        np.concatenate(
+            [x, *(x[..., [m.linear[0] for m in e.alike]].sum(-1, keepdims=True) for e in alike)], -1
+        )
+        for x in pieces
+    ]
     residuals = [
         (data.residual(i, run) * data.weight)[own, 1]
         for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
@@ -90,6 +98,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
         folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
     test_rows = range(data.training, len(rows)) if data.tests_on_holdout else ()
     held = [_by_axis(pieces[i], residuals[i]) for i in test_rows]
+    limits = {entry: limits_of(linearisation, entry) for entry in (*entries, *gains)}
     return Regression(
         linearisation,
         tuple(entries),
@@ -99,8 +108,31 @@ def regression_of(start: Fit, data: Data) -> Regression:
         tuple(total(own) for own in zip(*held, strict=True)) if held else None,
         data.least()[1] * data.weight[1] ** 2,
         data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
-        {entry: limits_of(linearisation, entry) for entry in (*entries, *gains)},
+        limits | {e: _common([limits[m] for m in e.alike]) for e in alike},
+        alike,
     )
+
+
+def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:
+    """Return the basic effects of drives that joints of one design share, with columns from `first` on."""
+    drives = {
+        (e.key.effect, e.key.axis): e
+        for e in entries
+        if effect_named(e.key.effect).search.basic and e.key.location == "actuator" and len(e.linear) == 1
+    }
+    out: list[Entry] = []
+    for effect in dict.fromkeys(effect for effect, _ in drives):
+        for axes in alike_axes(model):
+            own = tuple(drives[effect, axis] for axis in axes if (effect, axis) in drives)
+            if len(own) > 1:
+                numbers = [first + len(out)]
+                out.append(replace(own[0], linear=numbers, strength=max(e.strength for e in own), alike=own))
+    return tuple(out)
+
+
+def _common(limits: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds that all of some coefficients keep."""
+    return np.max([low for low, _ in limits], axis=0), np.min([high for _, high in limits], axis=0)
 
 
 def _is_a_gain(key: EffectKey, linearisation: Linearisation, shape: Values) -> bool:

@@ -54,6 +54,7 @@ class Regression:
         held_out: per axis; None where held-out recordings do not judge.
         floor, test_floor: mean squares that noise leaves, per axis (n,).
         limits: physical bounds of each entry's coefficients.
+        alike: effects that joints of one design share, at one size on all of them.
     """
 
     linearisation: Linearisation
@@ -65,6 +66,7 @@ class Regression:
     floor: np.ndarray
     test_floor: np.ndarray
     limits: dict[Entry, tuple[np.ndarray, np.ndarray]]
+    alike: tuple[Entry, ...] = ()
     _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
     _fits: dict[Chosen, tuple[np.ndarray, np.ndarray]] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -80,7 +82,7 @@ class Regression:
         there = [np.diag(axis.gram) > 0.0 for axis in self._axes]
         return {
             e: frozenset(k for k, t in enumerate(there) if t[e.linear].any())
-            for e in (*self.entries, *self.gains)
+            for e in (*self.entries, *self.gains, *self.alike)
         }
 
     def axes_of(self, entry: Entry) -> frozenset[int]:
@@ -98,7 +100,7 @@ class Regression:
         """
         entry = kin[-1]
         repeats = effect_named(entry.key.effect).search.repeats
-        place = Placement.of(self.linearisation.model, entry.key)
+        place = Placement.of(self.linearisation.model, entry.key) if repeats else None
         if repeats is None or place is None:
             return []
         key = replace(entry.key, copy=entry.key.copy + 1)
