@@ -102,6 +102,8 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     words = ("add", "leg", "torque_bias@hip", "torque=0.1", "-o", tmp_path / "m.toml")
     done = run(*words)
     assert done.returncode == 0 and done.stdout.endswith("leg with torque bias on the hip drive.\n")
+    load = run("add", "leg", "payload_mass", "mass=0.1", "-o", tmp_path / "load.toml")
+    assert load.stdout.endswith("leg with payload mass at site 'foot'.\n")
     first = (tmp_path / "m.toml").read_text()
     again = run(*words)
     assert again.returncode == 2 and "--force" in again.stderr

@@ -67,7 +67,7 @@ def add(
 
     Into your own file: workbench add arm.xml --from found.json --into arm.xml -o arm_fixed.xml
     """
-    from workbench.effects import load_model
+    from workbench.effects import effect_named, load_model
     from workbench.models import write_model
     from workbench.report import effect_dict
     from workbench.report.wording import any_of, effect_phrases
@@ -89,7 +89,9 @@ def add(
         what = "dry friction with the onset of its MJCF"
     else:
         added, new = with_effects(loaded, effect, values, diagnosis)
-        what = any_of(effect_phrases([a.key for a in added]), "and")
+        # keys of a file or of the command line do not say at which site
+        keys = [replace(a.key, site=effect_named(a.key.effect).site(loaded)) for a in added]
+        what = any_of(effect_phrases(keys), "and")
     new = replace(new, name=Path(output).stem)
     written = Into.of(loaded, new, into, output) if into is not None else None
     if written is None:
