@@ -137,7 +137,9 @@ def test_pages_hold_estimates_fit_residual_and_judgement() -> None:
     found = identify_actuator(bench())
     sheet = actuator_sheet(found)
     assert (
-        sheet.tone == "consistent" and "delay 3.00" in sheet.sentence and "model is enough" in sheet.sentence
+        sheet.tone == "consistent"
+        and "delay 3.00" in sheet.sentence
+        and "model explains the" in sheet.sentence
     )
     drawing = next(s for s in sheet.sections if s.drawings).drawings[0]
     labels = [row.label for row in drawing.panels[0].rows]
