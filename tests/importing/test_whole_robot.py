@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from workbench.importing import contents_of
 from workbench.mechanism import ClosedChain, held_rest
 from workbench.mechanism.tree import Tree
 from workbench.models import read_model
+from workbench.s3n import PostureChain, PostureDependent
+from workbench.s3n.posture_chain import PostureDynamics
 from workbench.verification import verify
 
 # a leg whose ankle a motor turns through a crank and a rod; at zero crank and rod are in line, a dead point
@@ -139,3 +142,45 @@ def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pyte
     assert moved == {"left_ankle", "left_crank", "left_rod"}
     # of two loops and the joints that are held, those of one loop
     assert asked and all(rows is not None and len(rows) <= 3 for rows in asked)
+
+
+def test_the_limb_alone_moves_as_in_the_whole_robot(tmp_path: Path) -> None:
+    file = _biped(tmp_path)
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
+    assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
+    mechanism = read_model(tmp_path / "own.toml").closed_chain
+    assert mechanism is not None
+    chain, whole = ClosedChain(mechanism), Tree(mechanism)
+    q, v = chain.drive_position(np.array([0.6])), np.array([3.0])
+    # by the whole tree: its speeds are a difference of postures, and what its weight does is one of energies
+    h = 1e-5
+    theta, ahead, behind = (chain.tree_position(q + d) for d in (0.0, h, -h))
+    whole.move(theta)
+    slope = (ahead - behind) / (2 * h)
+    assert chain.projection(q)[:, 0] == pytest.approx(slope, abs=1e-8)
+    mass = whole.mass()
+    assert np.abs(whole.gap()).max() < 1e-9
+    reduced = chain.reduced_dynamics(q, v)
+    assert reduced.mass[0, 0] == pytest.approx(slope @ mass @ slope, rel=1e-7)
+    assert reduced.gravity[0] == pytest.approx(slope @ whole.gravity(), rel=1e-7)
+    assert len(chain.coordinates) == len(theta)
+
+
+def test_links_of_a_mechanism_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = _biped(tmp_path)
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
+    assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
+    model, count = read_model(tmp_path / "own.toml"), []
+    asked = PostureChain.dynamics
+
+    def counted(chain: PostureChain, q: np.ndarray, v: np.ndarray | None = None) -> PostureDynamics:
+        count.append(len(q))
+        return asked(chain, q, v)
+
+    monkeypatch.setattr(PostureChain, "dynamics", counted)
+    first = PostureDependent(model).mass(np.array([[0.5]]))
+    once = len(count)
+    heavier = replace(model, actuators=replace(model.actuators, inertia=(0.5,)))
+    second = PostureDependent(heavier).mass(np.array([[0.5]]))
+    assert once > 0 and len(count) == once
+    assert (second - first)[0, 0, 0] == pytest.approx(0.5 - model.actuators.inertia[0])

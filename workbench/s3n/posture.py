@@ -18,9 +18,10 @@ from workbench.core import InputError, SimulationError
 from workbench.models import Model
 from workbench.serial_tree import SerialTree
 
-from .posture_chain import PostureChain, PostureDynamics
+from .posture_chain import PostureDynamics
 from .posture_closure import say, workspace
 from .posture_effects import AddedToLinks, of_tree
+from .posture_known import KnownLinks
 from .posture_table import Series, tabulate, together
 
 _SLACK = 1e-9  # rad or m outside the limits that rounding may make
@@ -198,7 +199,7 @@ class PostureDependent:
 
     def _solve(self, tree: SerialTree | None, tolerance: float) -> Series:
         """Series of the links' inertia, potential energy and drive positions."""
-        chain = PostureChain(self.model, links_only=True)
+        chain = KnownLinks(self.model)
         sides: set[bool] = set()
 
         def sample(q: np.ndarray) -> np.ndarray:
@@ -229,7 +230,7 @@ class PostureDependent:
             )  # fmt: skip
         return found
 
-    def _least(self, chain: PostureChain) -> np.ndarray:
+    def _least(self, chain: KnownLinks) -> np.ndarray:
         """A thousandth of what mass and weight are in all: of what is far less only rounding may be left."""
         at = chain.dynamics(self.box.mean(axis=1))
         mass = float(np.abs(at.mass).max())
