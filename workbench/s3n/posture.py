@@ -25,7 +25,7 @@ from .posture_known import KnownLinks
 from .posture_table import Series, tabulate, together
 
 _SLACK = 1e-9  # rad or m outside the limits that rounding may make
-_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
+BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 
 
 @dataclass(frozen=True)
@@ -105,6 +105,12 @@ class PostureDependent:
         parts += [drives.slope(int(i)).slope(int(j)) for i, j in zip(*self._upper, strict=True)]
         self._series = together(parts)
 
+    @property
+    def series(self) -> tuple[np.ndarray, np.ndarray]:
+        """All terms as Chebyshev coefficients (d_1 ... d_n, K), and d_1 ... d_n."""
+        found = self._series.coefficients
+        return found.reshape(-1, found.shape[-1]), np.array(found.shape[:-1])
+
     def at(self, q: np.ndarray) -> Terms:
         """Return every term at `q` (N, n) [rad or m].
 
@@ -173,7 +179,7 @@ class PostureDependent:
             SimulationError: one that is further outside, or NaN.
         """
         inside = np.clip(q, *self.box.T)
-        if not np.abs(q - inside).max(initial=0.0) < _BEYOND:
+        if not np.abs(q - inside).max(initial=0.0) < BEYOND:
             self.check(q)
             raise SimulationError(f"model '{self.model.name}': no posture has its drives there")
         return inside
