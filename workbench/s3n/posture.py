@@ -65,8 +65,7 @@ class Terms:
         return self.jacobian.transpose(0, 2, 1) @ weighted
 
 
-#: Drives of a mechanism whose series are short enough to be had.
-MOST_DRIVES = 3
+MOST_DRIVES = 3  # of a mechanism whose series are short enough to be had
 
 
 class PostureDependent:
@@ -108,8 +107,7 @@ class PostureDependent:
     @property
     def series(self) -> tuple[np.ndarray, np.ndarray]:
         """All terms as Chebyshev coefficients (d_1 ... d_n, K), and d_1 ... d_n."""
-        found = self._series.coefficients
-        return found.reshape(-1, found.shape[-1]), np.array(found.shape[:-1])
+        return (c := self._series.coefficients).reshape(-1, c.shape[-1]), np.array(c.shape[:-1])
 
     def at(self, q: np.ndarray) -> Terms:
         """Return every term at `q` (N, n) [rad or m].
