@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.biped import BASES, biped
 from tests.cli.here import run
 from workbench.core import Coupling, Mechanism
 from workbench.importing import contents_of
@@ -19,46 +20,10 @@ from workbench.s3n import PostureChain, PostureDependent
 from workbench.s3n.posture_chain import PostureDynamics
 from workbench.verification import verify
 
-# a leg whose ankle a motor turns through a crank and a rod; at zero crank and rod are in line, a dead point
-_LEG = """<body name="{s}_thigh" pos="0 {y} 0"><joint name="{s}_hip" axis="0 1 0" range="-1 1"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.03"/>
-<body name="{s}_shank" pos="0 0 -0.3"><joint name="{s}_leaf" axis="0 1 0" stiffness="900"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02"/>
-<body name="{s}_crank" pos="-0.02 0.03 -0.05"><joint name="{s}_crank" axis="0 1 0"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.04" size="0.006"/>
-<body name="{s}_rod" pos="0 0 -0.04"><joint name="{s}_rod" axis="0 1 0"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.004"/></body></body>
-<body name="{s}_foot" pos="0 0 -0.3"><joint name="{s}_ankle" axis="0 1 0" range="0.2 0.9" armature="0.01"/>
-<geom type="box" size="0.08 0.03 0.01" pos="0.04 0 -0.02"/></body></body></body>"""
-_BASES = {
-    "a free joint": "<freejoint/>",
-    "slides and a ball": '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
-    '<joint type="slide" axis="0 0 1"/><joint type="ball"/>',
-}
 
-
-def _biped(folder: Path, base: str = "<freejoint/>") -> Path:
-    legs = "".join(_LEG.format(s=s, y=y) for s, y in (("left", 0.1), ("right", -0.1)))
-    loops = "".join(
-        f'<connect body1="{s}_rod" body2="{s}_foot" anchor="0 0 -0.2"/>' for s in ("left", "right")
-    )
-    motors = "".join(
-        f'<motor joint="{s}_{j}" gear="10" ctrlrange="-2 2"/>'
-        for s in ("left", "right")
-        for j in ("hip", "ankle")
-    )
-    file = folder / "biped.xml"
-    file.write_text(
-        f'<mujoco><compiler angle="radian"/><worldbody><body name="pelvis" pos="0 0 0.7">{base}'
-        f'<geom type="box" size="0.1 0.1 0.05"/>{legs}</body></worldbody><equality>{loops}</equality>'
-        f"<actuator>{motors}</actuator></mujoco>"
-    )
-    return file
-
-
-@pytest.mark.parametrize("base", _BASES.values(), ids=_BASES)
-def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
-    file = _biped(tmp_path, base)
+@pytest.mark.parametrize("base", BASES.values(), ids=BASES)
+def test_an_ankle_of_a_wholebiped(tmp_path: Path, base: str) -> None:
+    file = biped(tmp_path, base)
     told = contents_of(file)
     assert told.motors == ("left_hip", "left_ankle", "right_hip", "right_ankle") and told.loops == 2
     assert told.springs == ("left_leaf", "right_leaf")
@@ -87,7 +52,7 @@ def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
 
 
 def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path: Path) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     follows = '<joint joint1="left_leaf" joint2="left_hip" polycoef="0 0.5 0 0 0"/></equality>'
     file.write_text(file.read_text().replace("</equality>", follows))
     words = [w for n in ("left_hip", "left_ankle") for w in ("--drive", n, "--joint", n)]
@@ -99,7 +64,7 @@ def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path:
 
 
 def test_a_keyframe_is_where_assembly_begins(tmp_path: Path) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     qpos = "0 0 0.7 1 0 0 0 0.1 0 0.4 -0.3 0.5 -0.1 0 0.3 -0.2 0.6"
     file.write_text(
         file.read_text().replace("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>')
@@ -124,7 +89,7 @@ def test_what_is_held_leaves_as_many_freedoms_as_drives(tmp_path: Path) -> None:
 
 
 def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
     assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
     model = read_model(tmp_path / "own.toml")
@@ -145,7 +110,7 @@ def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pyte
 
 
 def test_the_limb_alone_moves_as_in_the_whole_robot(tmp_path: Path) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
     assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
     mechanism = read_model(tmp_path / "own.toml").closed_chain
@@ -167,7 +132,7 @@ def test_the_limb_alone_moves_as_in_the_whole_robot(tmp_path: Path) -> None:
 
 
 def test_links_of_a_mechanism_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
     assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
     model, count = read_model(tmp_path / "own.toml"), []
