@@ -1,4 +1,4 @@
-"""One limb of a whole robot goes the whole way by the commands of the docs: its file, its policy, and back."""
+"""One limb of a whole robot goes the whole way by the commands of the docs: file, policy, and back."""
 
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
             )
             remedy = "change it, or train for it"
             if key == "loop":
-                remedy = f"give the model delay_s = {loop.period_s:g}, as a bus delays torques, and train again"
+                remedy = f"give the model delay_s = {loop.period_s:g}, which a bus adds, and train again"
             raise InputError(problem, file=config.source, column=key, remedy=remedy)
     if loop.pd != "host":
         raise InputError(

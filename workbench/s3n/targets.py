@@ -53,7 +53,7 @@ def _mujoco(xml: str) -> Fitted:
 def _mujoco3(xml: str) -> Fitted:
     root = _parsed(xml)
     lost = _cut(root)
-    tendons = any(each.get("armature") for each in root.iter("fixed"))
+    tendons = any(each.get("armature") for kind in ("fixed", "spatial") for each in root.iter(kind))
     reads = "MuJoCo 3.3.1 and later, for its inertia on tendons" if tendons else "MuJoCo 3"
     advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
     return Fitted(_written(root), tuple(lost), reads, advice)
