@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from tests.biped import biped
 from tests.can.make import motor, table, written
 from tests.cli.here import run
+from workbench.bundle import read_bundle
 from workbench.comparison import compare
 from workbench.effects import load_model
 from workbench.recordings import load_recordings
@@ -68,7 +70,8 @@ def test_its_policy_comes_back_as_recordings_that_its_model_explains(limb: Path)
     motors = [motor("left_ankle", 1, limits=limits, ranges=ranges)]
     loop = {"period_s": 0.003, "kp": 30.0, "kd": 1.5, "policy_every": 6}
     mechanism = [{"axes": ["left_ankle"], "joints": ["left_ankle"], "model": str(limb / "own.toml")}]
-    written(limb, table(motors, loop=loop, mechanism=mechanism))
+    machine = sha256(read_bundle(limb / "run" / "bundle.zip").machine.encode()).hexdigest()[:16]
+    written(limb, table(motors, loop=loop, mechanism=mechanism, machine=machine))
     done = run("deploy", "run/bundle.zip", "robot.toml", "--dry-run", "--seconds", 3, "-o", "kept", cwd=limb)
     assert done.returncode == 0, done.stdout + done.stderr
     model = load_model(limb / "own.toml")
