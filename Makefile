@@ -62,7 +62,7 @@ notebooks: setup
 	$(BIN)/python analyses/run_notebooks.py
 
 # Files of `normalize --for` in the simulators that read them, one environment each. MUJOCO3=: which MuJoCo 3.
-MUJOCO3 ?= 3.3.7
+MUJOCO3 ?= 3.3.1
 interop: setup
 	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
 	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy

@@ -84,7 +84,7 @@ def test_a_bundle_that_fits_runs(tmp_path: Path) -> None:
         ({"transmission": [[1.0, 0.0], [0.0, 1.0]]}, {}, "transmission"),
         ({"control_period_s": 0.002}, {}, "control period 0.002"),
         ({"policy_period_s": 0.02}, {}, "policy period 0.02"),
-        ({"delay_steps": 0}, {}, "delay in steps 0"),
+        ({"delay_steps": 0}, {}, "give the model delay_s = 0.003"),
         ({}, {"machine": ""}, "names none"),
         ({}, {"machine": "0123"}, "says 0123"),
         ({}, {"loop": {"pd": "drive"}}, "PD on the host"),

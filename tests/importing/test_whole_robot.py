@@ -3,59 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.biped import BASES, biped
 from tests.cli.here import run
 from workbench.core import Coupling, Mechanism
 from workbench.importing import contents_of
 from workbench.mechanism import ClosedChain, held_rest
 from workbench.mechanism.tree import Tree
 from workbench.models import read_model
+from workbench.s3n import PostureChain, PostureDependent
+from workbench.s3n.posture_chain import PostureDynamics
 from workbench.verification import verify
 
-# a leg whose ankle a motor turns through a crank and a rod; at zero crank and rod are in line, a dead point
-_LEG = """<body name="{s}_thigh" pos="0 {y} 0"><joint name="{s}_hip" axis="0 1 0" range="-1 1"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.03"/>
-<body name="{s}_shank" pos="0 0 -0.3"><joint name="{s}_leaf" axis="0 1 0" stiffness="900"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02"/>
-<body name="{s}_crank" pos="-0.02 0.03 -0.05"><joint name="{s}_crank" axis="0 1 0"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.04" size="0.006"/>
-<body name="{s}_rod" pos="0 0 -0.04"><joint name="{s}_rod" axis="0 1 0"/>
-<geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.004"/></body></body>
-<body name="{s}_foot" pos="0 0 -0.3"><joint name="{s}_ankle" axis="0 1 0" range="0.2 0.9" armature="0.01"/>
-<geom type="box" size="0.08 0.03 0.01" pos="0.04 0 -0.02"/></body></body></body>"""
-_BASES = {
-    "a free joint": "<freejoint/>",
-    "slides and a ball": '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
-    '<joint type="slide" axis="0 0 1"/><joint type="ball"/>',
-}
 
-
-def _biped(folder: Path, base: str = "<freejoint/>") -> Path:
-    legs = "".join(_LEG.format(s=s, y=y) for s, y in (("left", 0.1), ("right", -0.1)))
-    loops = "".join(
-        f'<connect body1="{s}_rod" body2="{s}_foot" anchor="0 0 -0.2"/>' for s in ("left", "right")
-    )
-    motors = "".join(
-        f'<motor joint="{s}_{j}" gear="10" ctrlrange="-2 2"/>'
-        for s in ("left", "right")
-        for j in ("hip", "ankle")
-    )
-    file = folder / "biped.xml"
-    file.write_text(
-        f'<mujoco><compiler angle="radian"/><worldbody><body name="pelvis" pos="0 0 0.7">{base}'
-        f'<geom type="box" size="0.1 0.1 0.05"/>{legs}</body></worldbody><equality>{loops}</equality>'
-        f"<actuator>{motors}</actuator></mujoco>"
-    )
-    return file
-
-
-@pytest.mark.parametrize("base", _BASES.values(), ids=_BASES)
-def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
-    file = _biped(tmp_path, base)
+@pytest.mark.parametrize("base", BASES.values(), ids=BASES)
+def test_an_ankle_of_a_wholebiped(tmp_path: Path, base: str) -> None:
+    file = biped(tmp_path, base)
     told = contents_of(file)
     assert told.motors == ("left_hip", "left_ankle", "right_hip", "right_ankle") and told.loops == 2
     assert told.springs == ("left_leaf", "right_leaf")
@@ -84,7 +52,7 @@ def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
 
 
 def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path: Path) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     follows = '<joint joint1="left_leaf" joint2="left_hip" polycoef="0 0.5 0 0 0"/></equality>'
     file.write_text(file.read_text().replace("</equality>", follows))
     words = [w for n in ("left_hip", "left_ankle") for w in ("--drive", n, "--joint", n)]
@@ -96,7 +64,7 @@ def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path:
 
 
 def test_a_keyframe_is_where_assembly_begins(tmp_path: Path) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     qpos = "0 0 0.7 1 0 0 0 0.1 0 0.4 -0.3 0.5 -0.1 0 0.3 -0.2 0.6"
     file.write_text(
         file.read_text().replace("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>')
@@ -121,7 +89,7 @@ def test_what_is_held_leaves_as_many_freedoms_as_drives(tmp_path: Path) -> None:
 
 
 def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = _biped(tmp_path)
+    file = biped(tmp_path)
     words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
     assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
     model = read_model(tmp_path / "own.toml")
@@ -139,3 +107,45 @@ def test_loops_of_the_other_leg_are_left_alone(tmp_path: Path, monkeypatch: pyte
     assert moved == {"left_ankle", "left_crank", "left_rod"}
     # of two loops and the joints that are held, those of one loop
     assert asked and all(rows is not None and len(rows) <= 3 for rows in asked)
+
+
+def test_the_limb_alone_moves_as_in_the_whole_robot(tmp_path: Path) -> None:
+    file = biped(tmp_path)
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
+    assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
+    mechanism = read_model(tmp_path / "own.toml").closed_chain
+    assert mechanism is not None
+    chain, whole = ClosedChain(mechanism), Tree(mechanism)
+    q, v = chain.drive_position(np.array([0.6])), np.array([3.0])
+    # by the whole tree: its speeds are a difference of postures, and what its weight does is one of energies
+    h = 1e-5
+    theta, ahead, behind = (chain.tree_position(q + d) for d in (0.0, h, -h))
+    whole.move(theta)
+    slope = (ahead - behind) / (2 * h)
+    assert chain.projection(q)[:, 0] == pytest.approx(slope, abs=1e-8)
+    mass = whole.mass()
+    assert np.abs(whole.gap()).max() < 1e-9
+    reduced = chain.reduced_dynamics(q, v)
+    assert reduced.mass[0, 0] == pytest.approx(slope @ mass @ slope, rel=1e-7)
+    assert reduced.gravity[0] == pytest.approx(slope @ whole.gravity(), rel=1e-7)
+    assert len(chain.coordinates) == len(theta)
+
+
+def test_links_of_a_mechanism_are_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = biped(tmp_path)
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "--hold-rest"]
+    assert run("import", file, *words, "-o", tmp_path / "own.toml").returncode == 0
+    model, count = read_model(tmp_path / "own.toml"), []
+    asked = PostureChain.dynamics
+
+    def counted(chain: PostureChain, q: np.ndarray, v: np.ndarray | None = None) -> PostureDynamics:
+        count.append(len(q))
+        return asked(chain, q, v)
+
+    monkeypatch.setattr(PostureChain, "dynamics", counted)
+    first = PostureDependent(model).mass(np.array([[0.5]]))
+    once = len(count)
+    heavier = replace(model, actuators=replace(model.actuators, inertia=(0.5,)))
+    second = PostureDependent(heavier).mass(np.array([[0.5]]))
+    assert once > 0 and len(count) == once
+    assert (second - first)[0, 0, 0] == pytest.approx(0.5 - model.actuators.inertia[0])

@@ -57,6 +57,31 @@ def test_springs_and_damping_that_are_no_lines_are_cut_and_named() -> None:
     assert for_target(xml, "mujoco").text == xml
 
 
+_ROUNDED = """<mujoco><worldbody>
+<body gravcomp="1e-15"><joint name="j" damping="0.1 1e-17" stiffness="0 0 1e-16" armature="1e-18"/>
+<inertial pos="0 0 0.1" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody><tendon>
+<fixed name="t" armature="2e-19" stiffness="{stiffness}" damping="1e-18 {damping}">
+<joint joint="j" coef="1"/></fixed></tendon></mujoco>"""
+
+
+@pytest.mark.parametrize("target", ["mujoco3", "mjlab", "newton", "urdf"])
+def test_rounding_is_no_loss(target: str) -> None:
+    assert for_target(_ROUNDED.format(stiffness="0", damping="0"), target).lost == ()
+    real = for_target(_ROUNDED.format(stiffness="0.2", damping="0.03"), target).lost
+    linear = ("tendon t: stiffness 0.2",) if target == "urdf" else ()
+    assert real == ("tendon t: damping beyond the linear (0.03)", *linear)
+
+
+def test_a_rotor_on_a_spatial_tendon_is_lost_in_other_solvers_too() -> None:
+    xml = (
+        '<mujoco><worldbody><site name="a" pos="0 0 1"/><body><joint name="j"/><geom size="0.1"/>'
+        '<inertial pos="0 0 0.1" mass="1" diaginertia="0.01 0.01 0.01"/><site name="b"/></body></worldbody>'
+        '<tendon><spatial name="s" armature="0.02"><site site="a"/><site site="b"/></spatial></tendon>'
+        "</mujoco>"
+    )
+    assert for_target(xml, "newton").lost == ("tendon s: armature 0.02, in solvers other than MuJoCo's",)
+
+
 def test_a_urdf_has_the_links_and_names_every_rotor(tmp_path: Path) -> None:
     json_file = tmp_path / "n.json"
     words = ["normalize", "leg", "-o", tmp_path / "leg.urdf", "--for", "urdf", "--json", json_file]

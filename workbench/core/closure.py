@@ -39,7 +39,7 @@ class _Tree(Protocol):
     def move(self, theta: np.ndarray) -> None: ...
     def gap(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k,) [m or rad]
     def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # (3 m + k, N)
-    def gap_bias(self) -> np.ndarray: ...  # its second derivative at zero acceleration of the tree (3 m + k,)
+    def gap_bias(self, rows: Sequence[int] | None = None) -> np.ndarray: ...  # at zero theta''
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,6 @@ class Closure:
         moving: tuple[Sequence[int], Sequence[int]] | None = None,
     ) -> None:  # fmt: skip
         self._rows, columns = moving or (None, range(len(start)))
-        self._every = slice(None) if self._rows is None else list(self._rows)
         self.independent = list(independent)
         self.dependent = [i for i in columns if i not in self.independent]
         self._tree, self._through = tree, through
@@ -117,7 +116,7 @@ class Closure:
     def gamma(self, inverse: np.ndarray) -> np.ndarray:
         """The acceleration of the tree (N,) at zero acceleration of q, at its current posture and speed."""
         gamma = np.zeros(len(self._last.theta))
-        gamma[self.dependent] = -inverse @ self._tree.gap_bias()[self._every]
+        gamma[self.dependent] = -inverse @ self._tree.gap_bias(self._rows)
         return gamma
 
     def say(self, q: np.ndarray) -> str:

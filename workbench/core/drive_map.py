@@ -4,8 +4,8 @@ polynomials.
     q_p = f(q_s),   J(q_s) = d f / d q_s,   q_p' = J q_s',   tau_p = J^-T tau_s
 
 in place of the constant J of the paper's Eq. 1. Beyond the box that the polynomials are of they go on
-straight,
-so that a loop that strays still gets torques and angles that make sense. ``xp`` is `numpy` or `torch`.
+straight, so that a loop that strays still gets torques and angles that make sense. ``xp`` is `numpy` or
+`torch`.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 Array = Any
-_NEWTON = 12
-_THERE = 1e-9  # rad; the step before the last is its square root
+#: Newton's steps at most, and a step that is the last [rad or m]: the next would be its square.
+NEWTON, THERE = 12, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +68,13 @@ class DriveMap:
             near: where to begin (..., n); the middle of the box if not given.
         """
         q = np.broadcast_to(self.middle if near is None else near, np.shape(drives)).astype(float)
-        for _ in range(_NEWTON):
+        for _ in range(NEWTON):
             inside = self._inside(q, np)
             value, slope = self._terms(inside, np)
             off = value + (slope @ (q - inside)[..., None])[..., 0] - drives
             step = np.linalg.solve(slope, off[..., None])[..., 0]
             q = q - np.clip(step, -self.half, self.half)
-            if np.abs(step).max(initial=0.0) < _THERE:
+            if np.abs(step).max(initial=0.0) < THERE:
                 break
         return q
 

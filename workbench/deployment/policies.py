@@ -133,7 +133,10 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
             problem = (
                 f"the policy was trained with {name} {_short(theirs)}, the configuration has {_short(ours)}"
             )
-            raise InputError(problem, file=config.source, column=key, remedy="change it, or train for it")
+            remedy = "change it, or train for it"
+            if key == "loop":
+                remedy = f"give the model delay_s = {loop.period_s:g}, which a bus adds, and train again"
+            raise InputError(problem, file=config.source, column=key, remedy=remedy)
     if loop.pd != "host":
         raise InputError(
             "the policy was trained with the joints' PD on the host", file=config.source, column="loop.pd",

@@ -6,13 +6,28 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import InputError
+from workbench.core import InputError, Mechanism
 from workbench.core.closure import DEAD, Closure
 
 from .closing import close, closed_near_start
 from .tree import Tree
 
 _SEED = 7  # what is random here has to come out the same every time
+
+
+def check_names(mechanism: Mechanism) -> None:
+    """Check that there is one serial joint per drive, and that each is named once.
+
+    Raises:
+        InputError: there is not.
+    """
+    n = len(mechanism.drives)
+    for key, names in (("drives", mechanism.drives), ("joints", mechanism.joints)):
+        if not n or len(names) != n or len(set(names)) != n:
+            raise InputError(
+                f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
+                column=f"closed_chain.{key}", remedy="name one serial joint per drive, each once",
+            )  # fmt: skip
 
 
 def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:

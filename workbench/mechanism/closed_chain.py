@@ -18,10 +18,10 @@ import numpy as np
 
 from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.closure import DEAD, Closure
+from workbench.core.moving import moving_with
 
-from .assembly import assemble
-from .closing import moving_with
-from .reduced import Margin, Reduced
+from .assembly import assemble, check_names
+from .reduced import Margin, Reduced, ratio
 from .tree import Tree
 
 _SAME = 1e-6  # rad or m
@@ -44,12 +44,18 @@ class ClosedChain:
         if isinstance(mechanism, Path):
             mechanism = Mechanism(mechanism)
         self.mechanism = mechanism
-        _check_names(mechanism)
-        self._tree = Tree(mechanism, payload)
+        check_names(mechanism)
+        whole = Tree(mechanism, payload)
+        drives = [whole.index(name, "drives") for name in mechanism.drives]
+        joints = [whole.index(name, "joints") for name in mechanism.joints]
+        self._names, self._posture = whole.names, assemble(whole, drives)
+        # what moves with the drives is all that is worked with: of a whole robot one limb
+        self._tree = whole.limb(self._posture, *moving_with(whole.movers(), [*drives, *joints]))
+        self._places = [self._names.index(name) for name in self._tree.names]
+        start = self._posture[self._places]
         drives = [self._tree.index(name, "drives") for name in mechanism.drives]
         self._joints = [self._tree.index(name, "joints") for name in mechanism.joints]
-        start = assemble(self._tree, drives)
-        self._moving = moving_with(self._tree, [*drives, *self._joints])
+        self._moving = moving_with(self._tree.movers(), [*drives, *self._joints])
         self._driven = Closure(self._tree, drives, start, moving=self._moving)
         self._serial = Closure(self._tree, self._joints, start, moving=self._moving)
         self._start = self._inside_limits(start)
@@ -63,7 +69,7 @@ class ClosedChain:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the tree's coordinates, length N, in the order of theta."""
-        return self._tree.names
+        return self._names
 
     @property
     def start(self) -> tuple[np.ndarray, np.ndarray]:
@@ -78,7 +84,9 @@ class ClosedChain:
         Raises:
             SimulationError: the loops cannot be closed there.
         """
-        return self._driven.at(q).theta.copy()
+        theta = self._posture.copy()
+        theta[self._places] = self._driven.at(q).theta
+        return theta
 
     def projection(self, q: np.ndarray) -> np.ndarray:
         """L (N, n), d theta / d q at drive positions `q` (n,).
@@ -86,7 +94,9 @@ class ClosedChain:
         Raises:
             SimulationError: the loops cannot be closed there, or are at a dead point.
         """
-        return self._driven.regular(q)[1]
+        slope = np.zeros((len(self._names), self.size))
+        slope[self._places] = self._driven.regular(q)[1]
+        return slope
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
         """Return the equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or
@@ -98,9 +108,8 @@ class ClosedChain:
         return self._project(self._driven, q, v)
 
     def energy(self, q: np.ndarray, v: np.ndarray) -> float:
-        """Kinetic plus potential energy [J] at drive positions `q` (n,) and speeds `v` (n,)."""
-        projection = self.projection(q)
-        self._tree.speed(projection @ v)
+        """Kinetic plus potential energy [J] of what moves, at drive positions `q` and speeds `v` (n,)."""
+        self._tree.speed(self._driven.regular(q)[1] @ v)
         return self._tree.energy()
 
     def margin(self, q: np.ndarray) -> Margin:
@@ -112,7 +121,7 @@ class ClosedChain:
         posture = self._driven.at(q)
         if posture.slope is None:
             return Margin(0.0, 0.0)
-        return Margin(posture.margin, _ratio(posture.slope[self._joints]))
+        return Margin(posture.margin, ratio(posture.slope[self._joints]))
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -144,7 +153,7 @@ class ClosedChain:
                 the drives, or the drives not the posture.
         """
         jacobian = self._serial.regular(joints)[1][self._driven.independent]
-        if _ratio(jacobian) < DEAD:
+        if ratio(jacobian) < DEAD:
             raise SimulationError(f"the drives are at a dead point at {self._serial.say(joints)}")
         return jacobian
 
@@ -226,7 +235,7 @@ class ClosedChain:
                 "the mass matrix is not finite", file=self.mechanism.file, column="inertial",
                 remedy="give masses, inertias and lengths in SI",
             )  # fmt: skip
-        if _ratio(mass) > 1e-12:
+        if ratio(mass) > 1e-12:
             return
         links = ", ".join(self._tree.massless_links()) or "none"
         raise InputError(
@@ -235,23 +244,6 @@ class ClosedChain:
         )  # fmt: skip
 
 
-def _check_names(mechanism: Mechanism) -> None:
-    """One serial joint a drive, each named once."""
-    n = len(mechanism.drives)
-    for key, names in (("drives", mechanism.drives), ("joints", mechanism.joints)):
-        if not n or len(names) != n or len(set(names)) != n:
-            raise InputError(
-                f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
-                column=f"closed_chain.{key}", remedy="name one serial joint per drive, each once",
-            )  # fmt: skip
-
-
 def _apart(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether positions differ by more than whole turns."""
     return bool(np.abs(np.exp(1j * one) - np.exp(1j * other)).max() > 1e-6)
-
-
-def _ratio(matrix: np.ndarray) -> float:
-    """Smallest over largest singular value."""
-    values = np.linalg.svd(matrix, compute_uv=False)
-    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0

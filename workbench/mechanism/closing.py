@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.core import InputError
 from workbench.core.closure import CLOSED
+from workbench.core.moving import groups
 
 from .tree import Tree
 
@@ -150,16 +151,6 @@ def _approached(tree: Tree, theta: np.ndarray, ease: np.ndarray, group: _Group) 
     return theta
 
 
-def moving_with(tree: Tree, coordinates: Sequence[int]) -> tuple[list[int], list[int]]:
-    """Rows of the gap and coordinates of all loops that move with some coordinates, these included."""
-    rows, columns = set[int](), set(coordinates)
-    for group in _groups(tree):
-        if columns.intersection(group.coordinates):
-            rows.update(group.rows)
-            columns.update(group.coordinates)
-    return sorted(rows), sorted(columns)
-
-
 def _of(tree: Tree, group: _Group | None) -> tuple[list[int], list[int]]:
     if group is not None:
         return group.rows, group.coordinates
@@ -168,14 +159,7 @@ def _of(tree: Tree, group: _Group | None) -> tuple[list[int], list[int]]:
 
 def _groups(tree: Tree) -> list[_Group]:
     """The loops by which coordinates they share."""
-    out: list[tuple[set[int], set[int]]] = []
-    for row, movers in enumerate(tree.movers()):
-        rows, columns = {row}, set(movers)
-        for other in [each for each in out if each[1] & columns]:
-            out.remove(other)
-            rows, columns = rows | other[0], columns | other[1]
-        out.append((rows, columns))
-    return [_Group(sorted(rows), sorted(columns)) for rows, columns in out]
+    return [_Group(*each) for each in groups(tree.movers())]
 
 
 def _start(tree: Tree) -> np.ndarray:

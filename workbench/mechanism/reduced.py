@@ -37,3 +37,9 @@ class Margin:
 
     drives: float
     joints: float
+
+
+def ratio(matrix: np.ndarray) -> float:
+    """Return the smallest over the largest singular value of a matrix, 0 of one that is zero."""
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0

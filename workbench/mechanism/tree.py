@@ -11,13 +11,13 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, UnitInertia
+from pydrake.multibody.tree import JacobianWrtVariable
 
 from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.bound_joints import BoundJoints
 
-from .loops import find_frame, loop_pairs
-from .parse import finished, parse
+from .cut import Cut, cut_open, moving_part, no_foot
+from .ends import Ends, ends_of
 
 _ORIGIN: Any = np.zeros(3)
 
@@ -28,30 +28,34 @@ class Tree:
     Args:
         mechanism: file, loops and foot.
         payload: point mass [kg] at the foot.
+        cut: in place of the file, what `limb` left of it.
 
     Raises:
         InputError: the file cannot be read, or has no frame of a name that `mechanism` gives.
     """
 
-    def __init__(self, mechanism: Mechanism, payload: float = 0.0) -> None:
-        self.mechanism = mechanism
-        if not (np.isfinite(payload) and payload >= 0.0):
-            raise InputError(f"a payload of {payload} kg", file=mechanism.file, remedy="give a mass or zero")
-        plant, model = parse(mechanism.file)
-        self._plant, self._model = plant, model
-        self._pairs = loop_pairs(plant, model, mechanism)
-        self._foot = find_frame(plant, model, mechanism, mechanism.foot, "foot") if mechanism.foot else None
-        if payload:
-            body = plant.AddRigidBody(
-                "payload", model, SpatialInertia(payload, _ORIGIN, UnitInertia(0.0, 0.0, 0.0))
-            )
-            plant.WeldFrames(self._needed_foot(), body.body_frame())
-        finished(plant, mechanism.file)
-        self._context = plant.CreateDefaultContext()
-        self._world = plant.world_frame()
+    def __init__(self, mechanism: Mechanism, payload: float = 0.0, cut: Cut | None = None) -> None:
+        self.mechanism, self._cut = mechanism, cut or cut_open(mechanism, payload)
+        self._plant, self._model, self._pairs = self._cut.plant, self._cut.model, self._cut.pairs
+        self._context = self._plant.CreateDefaultContext()
+        self._ends = ends_of(self._plant, self._context, self._pairs)
+        self._world = self._plant.world_frame()
         self._inboards: dict[Any, Any] = {}
-        self.names = _coordinate_names(plant)
-        self._bound = BoundJoints.of(mechanism.all_couplings(), lambda name: self.index(name, "couplings"))
+        self.names = _coordinate_names(self._plant)
+        self._bound = BoundJoints.of(self._cut.couplings, lambda name: self.index(name, "couplings"))
+
+    def limb(self, theta: np.ndarray, rows: Sequence[int], coordinates: Sequence[int]) -> Tree:
+        """Return this tree with nothing left that moves but the joints of some coordinates.
+
+        Args:
+            theta: where all the others stay (N,) [rad or m].
+            rows: of the gap that are left, three for each of their loops.
+            coordinates: positions in theta. Of a joint with more than one coordinate all are left.
+        """
+        self.move(theta)
+        loops = sorted({row // 3 for row in rows if row < 3 * len(self._pairs)})
+        bound = [row - 3 * len(self._pairs) for row in rows if row >= 3 * len(self._pairs)]
+        return Tree(self.mechanism, cut=moving_part(self._cut, self._context, coordinates, loops, bound))
 
     def index(self, coordinate: str, key: str) -> int:
         """Position of a coordinate in theta; `key` is where a model file names it.
@@ -92,9 +96,8 @@ class Tree:
         """
         theta = self._plant.GetPositions(self._context)
         out = np.zeros(3 * len(self._pairs) + len(self._bound.pairs))
-        for k in self._needed(rows):
-            first, second = (end.CalcPoseInWorld(self._context).translation() for end in self._pairs[k])
-            out[3 * k : 3 * k + 3] = first - second
+        for ends in self._needed(rows):
+            out[ends.rows] = ends.gap(self._plant, self._context)
         out[3 * len(self._pairs) :] = self._bound.gap(theta)
         return out if rows is None else out[list(rows)]
 
@@ -106,17 +109,19 @@ class Tree:
         """d gap / d theta (3 m + k, N) [m/rad or 1]; with `rows` those alone."""
         theta = self._plant.GetPositions(self._context)
         out = np.zeros((3 * len(self._pairs) + len(self._bound.pairs), len(self.names)))
-        for k in self._needed(rows):
-            first, second = map(self._point_jacobian, self._pairs[k])
-            out[3 * k : 3 * k + 3] = first - second
+        for ends in self._needed(rows):
+            out[ends.rows] = ends.jacobian(self._plant, self._context)
         out[3 * len(self._pairs) :] = self._bound.jacobian(theta)
         return out if rows is None else out[list(rows)]
 
-    def gap_bias(self) -> np.ndarray:
-        """Second derivative of the gap at zero tree acceleration (3 m + k,) [m/s^2]."""
-        loops = [self._point_bias(a) - self._point_bias(b) for a, b in self._pairs]
+    def gap_bias(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """Second derivative of the gap at zero tree acceleration (3 m + k,) [m/s^2]; or `rows` alone."""
         theta, rates = self._plant.GetPositions(self._context), self._plant.GetVelocities(self._context)
-        return np.array([*np.ravel(loops), *self._bound.bias(theta, rates)])
+        out = np.zeros(3 * len(self._pairs) + len(self._bound.pairs))
+        for ends in self._needed(rows):
+            out[ends.rows] = ends.bias(self._plant, self._context)
+        out[3 * len(self._pairs) :] = self._bound.bias(theta, rates)
+        return out if rows is None else out[list(rows)]
 
     def mass(self) -> np.ndarray:
         """Mass matrix (N, N)."""
@@ -146,7 +151,7 @@ class Tree:
     def way(self) -> list[int]:
         """Coordinates between the world and the serial joints and foot, those included."""
         ends = [self._plant.GetJointByName(n, self._model).child_body() for n in self.mechanism.joints]
-        ends += [self._foot.body()] if self._foot is not None else []
+        ends += [self._cut.foot.body()] if self._cut.foot is not None else []
         return sorted(set().union(*map(self._inboard, ends)))
 
     def movers(self) -> list[list[int]]:
@@ -170,29 +175,20 @@ class Tree:
             body = joint.parent_body()
         return out
 
-    def _needed(self, rows: Sequence[int] | None) -> Iterable[int]:
-        """Loops that rows of the gap are of."""
-        own = range(len(self._pairs))
-        return own if rows is None else sorted({row // 3 for row in rows} & set(own))
+    def _needed(self, rows: Sequence[int] | None) -> Iterable[Ends]:
+        """Ends of the loops that rows of the gap are of."""
+        if rows is None:
+            return self._ends
+        loops = {row // 3 for row in rows}
+        return [ends for ends in self._ends if not loops.isdisjoint(ends.loops)]
 
     def _needed_foot(self) -> Any:
-        if self._foot is None:
-            raise InputError(
-                "the mechanism has no foot", file=self.mechanism.file, column="closed_chain.foot",
-                remedy="name the frame at its end",
-            )  # fmt: skip
-        return self._foot
+        return self._cut.foot or no_foot(self.mechanism)
 
     def _point_jacobian(self, frame: Any) -> np.ndarray:
         return self._plant.CalcJacobianTranslationalVelocity(
             self._context, JacobianWrtVariable.kV, frame, _ORIGIN, self._world, self._world
         )
-
-    def _point_bias(self, frame: Any) -> np.ndarray:
-        bias = self._plant.CalcBiasTranslationalAcceleration(
-            self._context, JacobianWrtVariable.kV, frame, _ORIGIN, self._world, self._world
-        )
-        return bias.ravel()
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

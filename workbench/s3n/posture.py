@@ -18,13 +18,14 @@ from workbench.core import InputError, SimulationError
 from workbench.models import Model
 from workbench.serial_tree import SerialTree
 
-from .posture_chain import PostureChain, PostureDynamics
+from .posture_chain import PostureDynamics
 from .posture_closure import say, workspace
 from .posture_effects import AddedToLinks, of_tree
+from .posture_known import KnownLinks
 from .posture_table import Series, tabulate, together
 
 _SLACK = 1e-9  # rad or m outside the limits that rounding may make
-_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
+BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,7 @@ class Terms:
         return self.jacobian.transpose(0, 2, 1) @ weighted
 
 
-#: Drives of a mechanism whose series are short enough to be had.
-MOST_DRIVES = 3
+MOST_DRIVES = 3  # of a mechanism whose series are short enough to be had
 
 
 class PostureDependent:
@@ -103,6 +103,11 @@ class PostureDependent:
         parts += [drives.slope(k) for k in range(n)]
         parts += [drives.slope(int(i)).slope(int(j)) for i, j in zip(*self._upper, strict=True)]
         self._series = together(parts)
+
+    @property
+    def series(self) -> tuple[np.ndarray, np.ndarray]:
+        """All terms as Chebyshev coefficients (d_1 ... d_n, K), and d_1 ... d_n."""
+        return (c := self._series.coefficients).reshape(-1, c.shape[-1]), np.array(c.shape[:-1])
 
     def at(self, q: np.ndarray) -> Terms:
         """Return every term at `q` (N, n) [rad or m].
@@ -172,7 +177,7 @@ class PostureDependent:
             SimulationError: one that is further outside, or NaN.
         """
         inside = np.clip(q, *self.box.T)
-        if not np.abs(q - inside).max(initial=0.0) < _BEYOND:
+        if not np.abs(q - inside).max(initial=0.0) < BEYOND:
             self.check(q)
             raise SimulationError(f"model '{self.model.name}': no posture has its drives there")
         return inside
@@ -198,7 +203,7 @@ class PostureDependent:
 
     def _solve(self, tree: SerialTree | None, tolerance: float) -> Series:
         """Return series of the links' inertia, potential energy and drive positions."""
-        chain = PostureChain(self.model, links_only=True)
+        chain = KnownLinks(self.model)
         sides: set[bool] = set()
 
         def sample(q: np.ndarray) -> np.ndarray:
@@ -229,7 +234,7 @@ class PostureDependent:
             )  # fmt: skip
         return found
 
-    def _least(self, chain: PostureChain) -> np.ndarray:
+    def _least(self, chain: KnownLinks) -> np.ndarray:
         """Return a thousandth of the total mass and weight; below it, a term may be rounding only."""
         at = chain.dynamics(self.box.mean(axis=1))
         mass = float(np.abs(at.mass).max())

@@ -9,7 +9,7 @@ and refused.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -18,6 +18,7 @@ import numpy as np
 from workbench.core import InputError, SimulationError
 from workbench.core.closure import Closure
 from workbench.core.closure import Posture as ClosedPosture
+from workbench.core.moving import moving_with
 from workbench.models import Model
 
 from .bound_joints import bound_joints
@@ -76,6 +77,7 @@ class LoopClosure:
         self._loops = [tuple(self.m.site(name).id for name in pair) for pair in mechanism.loops]
         self._bound = bound_joints(self.m, mechanism)
         self._jacobians = np.zeros((2, 3, self.m.nv))
+        self._moving = moving_with(self._movers(), [*self.serial, *self.drives])
         self._closure = self._first(_start(model))
 
     def at(self, q: np.ndarray) -> Posture:
@@ -126,23 +128,45 @@ class LoopClosure:
 
     def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray:
         """d gap / d theta (3 m + k, N); with `rows` those alone."""
-        parts = []
-        for pair in self._loops:
-            for matrix, site in zip(self._jacobians, pair, strict=True):
+        out = np.zeros((3 * len(self._loops) + len(self._bound.pairs), self.m.nv))
+        for k in self._needed(rows):
+            for matrix, site in zip(self._jacobians, self._loops[k], strict=True):
                 mujoco.mj_jacSite(self.m, self.data, matrix, None, site)
-            parts.append(self._jacobians[0] - self._jacobians[1])
-        out = np.concatenate([*parts, self._bound.jacobian(self.data.qpos)])
+            out[3 * k : 3 * k + 3] = self._jacobians[0] - self._jacobians[1]
+        out[3 * len(self._loops) :] = self._bound.jacobian(self.data.qpos)
         return out if rows is None else out[list(rows)]
 
-    def gap_bias(self) -> np.ndarray:
-        """Second derivative of the gap at zero acceleration of the tree (3 m + k,)."""
+    def gap_bias(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """Second derivative of the gap at zero acceleration of the tree (3 m + k,); or `rows` alone."""
         m, d = self.m, self.data
-        out = []
-        for pair in self._loops:
-            for matrix, site in zip(self._jacobians, pair, strict=True):
+        out = np.zeros((len(self._loops), 3))
+        for k in self._needed(rows):
+            for matrix, site in zip(self._jacobians, self._loops[k], strict=True):
                 mujoco.mj_jacDot(m, d, matrix, None, d.site_xpos[site], m.site_bodyid[site])
-            out.append((self._jacobians[0] - self._jacobians[1]) @ d.qvel)
-        return np.concatenate([*out, self._bound.bias(d.qpos, d.qvel)])
+            out[k] = (self._jacobians[0] - self._jacobians[1]) @ d.qvel
+        every = np.concatenate([out.ravel(), self._bound.bias(d.qpos, d.qvel)])
+        return every if rows is None else every[list(rows)]
+
+    def _needed(self, rows: Sequence[int] | None) -> Iterable[int]:
+        """Loops that rows of the gap are of."""
+        own = range(len(self._loops))
+        return own if rows is None else sorted({row // 3 for row in rows} & set(own))
+
+    def _movers(self) -> list[list[int]]:
+        """Of each row of the gap (3 m + k) the coordinates that open or close it."""
+        m = self.m
+
+        def inboard(site: int) -> set[int]:
+            out, body = set[int](), int(m.site_bodyid[site])
+            while body:
+                first = int(m.body_dofadr[body])
+                out |= set(range(first, first + int(m.body_dofnum[body])))
+                body = int(m.body_parentid[body])
+            return out
+
+        loops = [sorted(inboard(a) ^ inboard(b)) for a, b in self._loops]
+        bound = [sorted({a} if b is None else {a, b}) for _, a, b in self._bound.pairs]
+        return [*(loop for loop in loops for _ in range(3)), *bound]
 
     def _first(self, q: np.ndarray) -> Closure:
         """Return the loops, closed at the posture from which all others are reached."""
@@ -156,7 +180,7 @@ class LoopClosure:
                 f"the loops do not close at {say(self.model, q)}", file=mechanism_of(self.model).file,
                 column="closed_chain.start", remedy="give the joints' angles near a closed posture",
             )  # fmt: skip
-        closure = Closure(self, self.serial, theta, through=False)
+        closure = Closure(self, self.serial, theta, through=False, moving=self._moving)
         self._begun = theta[self.serial]
         why, posture = self._regular(closure.at(theta[self.serial]))
         if posture is None:

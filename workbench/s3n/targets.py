@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
@@ -10,6 +10,7 @@ from workbench.core import InputError
 
 from .urdf_writer import urdf_text
 
+_ROUNDING = 1e-9  # of the weight or the inertia: what is less is rounding, and nobody loses it
 _DELAY = ("delay", "interp", "nsample")
 
 
@@ -52,7 +53,7 @@ def _mujoco(xml: str) -> Fitted:
 def _mujoco3(xml: str) -> Fitted:
     root = _parsed(xml)
     lost = _cut(root)
-    tendons = any(each.get("armature") for each in root.iter("fixed"))
+    tendons = any(each.get("armature") for kind in ("fixed", "spatial") for each in root.iter(kind))
     reads = "MuJoCo 3.3.1 and later, for its inertia on tendons" if tendons else "MuJoCo 3"
     advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
     return Fitted(_written(root), tuple(lost), reads, advice)
@@ -102,16 +103,19 @@ def _mapped(root: ElementTree.Element) -> str:
 def _newton(xml: str) -> Fitted:
     root = _parsed(xml)
     lost = _cut(root)
-    for tendon in (each for each in root.iter("fixed") if each.get("armature")):
-        lost.append(
-            f"tendon {tendon.get('name')}: armature {tendon.get('armature')}, in solvers other than MuJoCo's"
-        )
+    for tendon in (each for kind in ("fixed", "spatial") for each in root.iter(kind) if each.get("armature")):
+        armature = float(tendon.get("armature", 0.0))
+        if abs(armature) > _ROUNDING * _inertia(root):
+            lost.append(
+                f"tendon {tendon.get('name')}: armature {armature:.6g}, in solvers other than MuJoCo's"
+            )
     return Fitted(_written(root), tuple(lost), "Newton 1.8; not run here")
 
 
 def _urdf(xml: str) -> Fitted:
+    root = _parsed(xml)
     text, lost = urdf_text(xml)
-    return Fitted(text, lost, "any URDF reader")
+    return Fitted(text, (*_without_yield(root), *_linear(root), *lost), "any URDF reader")
 
 
 #: Simulators by name.
@@ -154,22 +158,60 @@ def _without_yield(root: ElementTree.Element) -> list[str]:
     lost = []
     for each in _elements(root):
         text = each.attrib.pop("springyield", None)
-        if text is not None and any(float(x) for x in text.split()):
-            lost.append(f"{each.tag} {each.get('name')}: hysteresis (springyield {text})")
+        values = [float(x) for x in (text or "").split()]
+        if any(values):
+            lost.append(f"{_called(each)}: hysteresis (springyield {_short(values)})")
     return lost
 
 
 def _linear(root: ElementTree.Element) -> list[str]:
-    """Reduce polynomial damping and stiffness to the linear term; return a line for each."""
-    lost = []
+    """Reduce polynomial damping and stiffness to the linear term; return a line for each.
+
+    A term that is next to nothing beside the weight is what a fit or a sum leaves, and no loss.
+    """
+    lost, least = [], _ROUNDING * _weight(root)
     for each in _elements(root):
         for key in ("damping", "stiffness"):
             first, *more = each.get(key, "").split() or [""]
             if more:
                 each.set(key, first)
-                if any(float(x) for x in more):
-                    lost.append(f"{each.tag} {each.get('name')}: {key} beyond the linear ({' '.join(more)})")
+                terms = [x if abs(x) > least else 0.0 for x in map(float, more)]
+                if any(terms):
+                    lost.append(f"{_called(each)}: {key} beyond the linear ({_short(terms)})")
     return lost
+
+
+def _weight(root: ElementTree.Element) -> float:
+    """Torque [N m] of all masses at the end of all links stretched out: what torques are small beside."""
+    masses = sum(float(each.get("mass", 0.0)) for each in root.iter("inertial"))
+    return 9.81 * masses * _reach(root)
+
+
+def _inertia(root: ElementTree.Element) -> float:
+    """Inertia [kg m^2] of the lightest link that has one, about its centre: what rotors are small beside."""
+    found = [
+        max(map(float, (each.get("fullinertia") or each.get("diaginertia") or "0").split()))
+        for each in root.iter("inertial")
+    ]
+    return min((each for each in found if each > 0.0), default=0.0)
+
+
+def _reach(root: ElementTree.Element) -> float:
+    """Sum of the links' lengths [m]."""
+    return sum(
+        max((abs(float(x)) for x in each.get("pos", "0").split()), default=0.0)
+        for kind in ("body", "inertial")
+        for each in root.iter(kind)
+    )
+
+
+def _called(each: ElementTree.Element) -> str:
+    kind = "tendon" if each.tag in ("fixed", "spatial") else each.tag
+    return f"{kind} {each.get('name')}"
+
+
+def _short(values: Sequence[float]) -> str:
+    return " ".join(f"{value:.6g}" for value in values)
 
 
 def _elements(root: ElementTree.Element) -> list[ElementTree.Element]:

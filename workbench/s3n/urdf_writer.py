@@ -14,6 +14,9 @@ from workbench.models import Inertial
 
 _TYPES = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 
+_OF_JOINTS = "rotor inertia (armature)", "stiffness"
+_ROUNDING = 1e-9  # of inertia, weight or mass: what is less is rounding, and nobody loses it
+
 
 def urdf_text(xml: str) -> tuple[str, tuple[str, ...]]:
     """Return the tree of a plain MJCF as URDF.
@@ -36,20 +39,35 @@ def urdf_text(xml: str) -> tuple[str, tuple[str, ...]]:
         if m.site(s).name and m.site(s).name not in names:
             _tip(robot, m, s, names)
     for t in range(m.ntendon):
-        lost.append(
-            f"tendon {m.tendon(t).name}: inertia {m.tendon_armature[t]:.6g}, damping "
-            f"{_first(m.tendon_damping[t]):.6g}, dry friction {m.tendon_frictionloss[t]:.6g}, stiffness "
-            f"{_first(m.tendon_stiffness[t]):.6g}"
-        )
+        lost += _of_tendon(m, t)
     for a in range(m.nu):
         if m.actuator_delay[a]:
             lost.append(f"motor {m.actuator(a).name}: delay {m.actuator_delay[a]:g} s")
-    lifted = [b for b in range(1, m.nbody) if m.body_gravcomp[b]]
+    lifted = [b for b in range(1, m.nbody) if abs(m.body_gravcomp[b]) > _ROUNDING]
     lost += [
         f"body {names[b]}: gravcomp, only {1 - m.body_gravcomp[b]:.6g} of its mass weighs" for b in lifted
     ]
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding="unicode") + "\n", tuple(lost)
+
+
+def _of_tendon(m: mujoco.MjModel, t: int) -> list[str]:
+    """What a tendon has, in a line; none where that is rounding beside the links' inertia and weight."""
+    inertia, torque = _scales(m)
+    terms = (
+        ("inertia", m.tendon_armature[t], inertia),
+        ("damping", _first(m.tendon_damping[t]), torque),
+        ("dry friction", m.tendon_frictionloss[t], torque),
+        ("stiffness", _first(m.tendon_stiffness[t]), torque),
+    )
+    told = [f"{name} {float(value):.6g}" for name, value, least in terms if abs(value) > _ROUNDING * least]
+    return [f"tendon {m.tendon(t).name}: {', '.join(told)}"] if told else []
+
+
+def _scales(m: mujoco.MjModel) -> tuple[float, float]:
+    """Least inertia about a joint [kg m^2], and the weight's largest torque [N m]."""
+    least = float(m.dof_M0[m.dof_M0 > 0.0].min(initial=np.inf))
+    return (least if np.isfinite(least) else 0.0), float(9.81 * m.body_mass.sum() * m.stat.extent)
 
 
 def _first(value: np.ndarray | float) -> float:
@@ -104,8 +122,9 @@ def _joint(robot: ElementTree.Element, m: mujoco.MjModel, b: int, names: list[st
     if damping or friction:
         ElementTree.SubElement(joint, "dynamics", damping=repr(damping), friction=repr(friction))
     rotor, stiffness = m.dof_armature[dof], _first(m.jnt_stiffness[first])
-    for what, value in (("rotor inertia (armature)", rotor), ("stiffness", stiffness)):
-        if value:
+    scales = (m.dof_M0[dof], _scales(m)[1])
+    for what, value, scale in zip(_OF_JOINTS, (rotor, stiffness), scales, strict=True):
+        if abs(value) > _ROUNDING * scale:
             lost.append(f"joint {name}: {what} {float(value):.6g}")
 
 

@@ -3,8 +3,7 @@
 The equation of motion is the closed chain's own, as series over its limits (`s3n.PostureDependent`), and
 not a fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in pieces of half a
 millisecond at most; a torque that comes late acts in its share of a piece. Several runs of one recording go
-side by
-side: without noise, and with draws of it.
+side by side: without noise, and with draws of it.
 """
 
 from __future__ import annotations
@@ -15,13 +14,16 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import InputError, Recording, SimulationError
+from workbench.core.drive_map import NEWTON, THERE
 from workbench.models import Model
 from workbench.recordings.lattice import lattice_step
 from workbench.s3n import PostureDependent, drive_map
+from workbench.s3n.posture import BEYOND
 
 from .control import SensorNoise
 from .experiment import Experiment, prepare, whole_and_part
 from .initial_state import initial_state
+from .posture_step import advance, asked, shown
 
 _FASTEST = 1e4  # rad/s
 _PIECE = 0.5e-3  # s
@@ -48,6 +50,7 @@ class PosturePlant:
         found = drive_map(model, self.chain)
         assert found is not None
         self.map = found
+        self.polynomials = found.middle, found.half, found.powers, found.factors
 
     def acceleration(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> np.ndarray:
         """Return accelerations of the joints (B, n) for drive torques (B, n) [N m].
@@ -55,10 +58,28 @@ class PosturePlant:
         Raises:
             SimulationError: far outside the limits.
         """
-        at = self.chain.dynamics(self.chain.nearest_inside(q), v)
-        pull = at.gravity - at.bias - np.einsum("bij,bj->bi", at.damping, v)
-        pull += np.einsum("bai,ba->bi", at.jacobian, torque)
-        return np.linalg.solve(at.mass, pull[..., None])[..., 0]
+        v, found = v.copy(), np.zeros_like(v)
+        self.advance(q.copy(), v, found, torque[None], 0.0)
+        return found
+
+    def advance(self, q: np.ndarray, v: np.ndarray, last: np.ndarray, torques: np.ndarray, h: float) -> None:
+        """Move states of the joints on, in place.
+
+        Args:
+            q: positions (B, n) [rad or m].
+            v: speeds (B, n) [rad/s or m/s].
+            last: accelerations of the piece before (B, n).
+            torques: of the drives in each piece (pieces, B, n) [N m].
+            h: length of a piece [s].
+
+        Raises:
+            SimulationError: far outside the limits.
+        """
+        series, sizes = self.chain.series
+        box, inertia, damping = self.chain.box, self.chain.inertia, self.chain.damping
+        lost = advance(series, sizes, box, inertia, damping, BEYOND, h, q, v, last, torques)
+        if lost >= 0:
+            self.chain.nearest_inside(q[[lost]])  # which says what is wrong there
 
 
 def run_posture(
@@ -82,22 +103,23 @@ def run_posture(
     sensors = _Sensors(noise, recording)
     q, v = (np.tile(x, (count, 1)) for x in _start(plant, e))
     pieces = max(1, round(e.step / _PIECE))
-    h, mover = e.step / pieces, _Mover(plant, e.step / pieces)
+    h, last = e.step / pieces, np.zeros_like(q)
     whole, share = whole_and_part((e.delay(plant.model.actuators.delay_s, plant.model) + late) / h)
     waiting = [np.tile(e.before, (count, 1))] * (whole + 2)
     limit, ticks = np.array(plant.model.actuators.torque_limit), set((e.ticks // e.stride).tolist())
-    asked, logged = waiting[0], np.zeros((4, count, rows, n))
+    wish, logged = waiting[0], np.zeros((4, count, rows, n))
     for row in range(rows):
-        read, rate = sensors.read(row, plant.map.drives(q), np.einsum("bij,bj->bi", plant.map.jacobian(q), v))
+        read, rate = sensors.read(row, *shown(*plant.polynomials, q, v))
         if row in ticks:
-            asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
+            wish = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
+        acting = []
         for k in range(e.stride * pieces):
-            waiting = [*waiting[1:], asked]
+            waiting = [*waiting[1:], wish]
             if k == 0:  # a sensor of torque shows what acts as the row begins
-                logged[:, :, row] = read, rate, asked, sensors.torque(row, waiting[0 if share else 1])
-            if row < rows - 1:
-                acting = share * waiting[0] + (1.0 - share) * waiting[1]
-                q, v = mover.step(q, v, acting)
+                logged[:, :, row] = read, rate, wish, sensors.torque(row, waiting[0 if share else 1])
+            acting.append(share * waiting[0] + (1.0 - share) * waiting[1])
+        if row < rows - 1:
+            plant.advance(q, v, last, np.array(acting), h)
         if not np.abs(v).max() < _FASTEST:
             raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
     names = ("position", "velocity", "torque_command", "torque_measured")
@@ -171,9 +193,8 @@ def _asked(
     wanted, rate = e.reference[row], e.reference_rate[row]
     if e.controller.coordinates == "actuator":
         return kp * (wanted - q) + kd * (rate - w) + e.feedforward[row]
-    joints = plant.map.joints(q, near)
-    asked = kp * (wanted - joints) + kd * (rate - plant.map.joint_speed(joints, w))
-    return plant.map.drive_torque(joints, asked) + e.feedforward[row]
+    goal = np.stack([wanted, rate])
+    return asked(*plant.polynomials, NEWTON, THERE, np.stack([kp, kd]), goal, q, w, near) + e.feedforward[row]
 
 
 def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
@@ -187,19 +208,3 @@ def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
     )
     joints = plant.map.joints(drives)
     return joints, plant.map.joint_speed(joints, speeds)
-
-
-class _Mover:
-    """Steps of equal length: mass and forces are taken in the middle of each (second order)."""
-
-    def __init__(self, plant: PosturePlant, h: float) -> None:
-        self._plant, self._h = plant, h
-        self._last: np.ndarray | float = 0.0
-
-    def step(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """On from joint positions and speeds (B, n) under torques of the drives (B, n)."""
-        h = self._h
-        middle = v + 0.5 * h * self._last
-        a = self._plant.acceleration(q + 0.5 * h * middle, middle, torque)
-        self._last = a
-        return q + h * (v + 0.5 * h * a), v + h * a
