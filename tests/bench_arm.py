@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import Controller, Recording
 
 NUMBERS = {
-    "yaw_x": 0.0, "yaw_z": 1.0, "turret_mass": 3.0, "turret_centre": 0.05, "upper_roll": 0.004,
+    "yaw_x": 0.0, "yaw_y": 0.0, "yaw_z": 1.0, "turret_mass": 3.0, "turret_centre": 0.05, "upper_roll": 0.004,
     "yaw_armature": 0.12, "lift_armature": 0.0868, "bend_armature": 0.06,
     "yaw_damping": 0.5, "lift_damping": 0.8, "bend_damping": 0.4,
     "upper_mass": 2.4, "upper_centre": 0.17, "upper_inertia": 0.022,
@@ -21,7 +21,7 @@ NUMBERS = {
 AXES = ("yaw", "lift", "bend")
 _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>
 <body name="turret" pos="0 0 0.2">
- <joint name="yaw" axis="{yaw_x} 0 {yaw_z}" damping="{yaw_damping}" armature="{yaw_armature}"/>
+ <joint name="yaw" axis="{yaw_x} {yaw_y} {yaw_z}" damping="{yaw_damping}" armature="{yaw_armature}"/>
  <inertial pos="0 0 {turret_centre}" mass="{turret_mass}" diaginertia="0.01 0.01 0.008"/>
  <body name="upper" pos="0 0 0.1">
   <joint name="lift" axis="0 1 0" damping="{lift_damping}" armature="{lift_armature}"/>

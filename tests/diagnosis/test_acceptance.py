@@ -81,6 +81,8 @@ def test_a_wave_beside_a_spring_needs_a_way_on_which_no_smooth_curve_has_its_sha
         ("cogging", {"torque": (2e-4, 2e-4), "order": (12.0, 0.1), "phase": (3.0, 0.1)}, False),
         ("cogging", {"torque": (0.2, 2e-3), "order": (12.0, 0.1), "phase": (0.0, 0.1)}, True),
         ("backlash", {"gap": (0.01, 0.001), "stiffness": (400.0, 300.0)}, True),
+        # that all of an inertia is meant is stated, not estimated
+        ("link_inertia_error", {"inertia": (0.6, 0.25), "proportion": (1.0, 0.0)}, False),
     ],
 )
 def test_what_may_be_nothing_is_not_named(

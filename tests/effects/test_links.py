@@ -75,6 +75,22 @@ def test_the_column_of_a_mass_is_the_change_of_the_torque_that_is_needed(
     assert_column_is_the_change(motion, model, "first_moment_error", axis, shape)
 
 
+def test_all_inertia_of_a_link_in_proportion(tmp_path: Path) -> None:
+    """The bend turns about one axis, the yaw turns it about another."""
+    model = load_model(bench_arm(tmp_path))
+    motion, shapes = forms(model, "link_inertia_error", "bend")
+    assert shapes == [{}, {"proportion": 1.0}]
+    assert_column_is_the_change(motion, model, "link_inertia_error", "bend", shapes[1])
+    wider = having(model, "link_inertia_error", "bend", inertia=0.016, proportion=1.0)
+    before, after = (compile_plant(m).mujoco.body("fore").inertia for m in (model, wider))
+    np.testing.assert_allclose(np.sort(after), 1.5 * np.sort(before))
+
+
+def test_one_axis_alone_turns_a_link_where_all_are_parallel(tmp_path: Path) -> None:
+    model = load_model(bench_arm(tmp_path, yaw_z=0.0, yaw_y=1.0))
+    assert forms(model, "link_inertia_error", "bend")[1] == [{}]
+
+
 def test_the_first_link_may_be_heavier_where_its_weight_shows(tmp_path: Path) -> None:
     """About an upright axis it does what a rotor does; about a level one its weight tells it apart."""
     upright = load_model(bench_arm(tmp_path))

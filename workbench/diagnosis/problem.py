@@ -17,6 +17,7 @@ from workbench.models import Model
 from .data import Data, gather_along
 from .hypothesis import Fit, Hypothesis
 from .loss import rescored
+from .policy import POLICY
 from .screening.candidate import Candidate
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
 from .screening.sensitivity import Linearisation
@@ -94,8 +95,8 @@ class Problem:
 
     @property
     def is_expensive(self) -> bool:
-        """Whether screening in the loop is expensive: there are more axes than effects that may be added."""
-        return self.data.replay.simulates and self.start.hypothesis.model.size > self.limit
+        """Return whether screening in the loop is expensive: more axes than a search adds effects."""
+        return self.data.replay.simulates and self.start.hypothesis.model.size > POLICY.most_effects
 
     @cached_property
     def linear(self) -> Linear | None:

@@ -76,7 +76,8 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     effect = effect_named(applied.key.effect)
     there = [p for p in effect.parameters if p.name in applied.parameters]
     turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
-    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns)]
+    _, shape = effect.parameters.to_coefficients(applied.values)
+    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *shape, *turns)]
     return sizes or there
 
 

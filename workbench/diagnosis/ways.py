@@ -69,13 +69,20 @@ class Way:
             along, tests = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
             return Way(training, held_out, ask(model, along, tests, seed, limit, progress), error)
 
-    def searched(self, *, only_jointly: bool = False) -> SearchResult:
+    def searched(self, *, only_jointly: bool = False, most: int | None = None) -> SearchResult:
         """Return the result of a search.
+
+        Args:
+            only_jointly: as of `search`.
+            most: effects that are added one by one at the most, if fewer than were asked for.
 
         Raises:
             UnstableLoop: the model is unstable in the loops, and the torque does not show why.
         """
-        found = search(self.asked, only_jointly=only_jointly)
+        asked, problem = self.asked, self.asked.problem
+        if most is not None and most < problem.limit:
+            asked = replace(asked, problem=replace(problem, limit=most, visited=set()))
+        found = search(asked, only_jointly=only_jointly)
         shown = found.consistent_before or max(found.explained, found.median_explained) >= POLICY.near_named
         if self.unstable and not shown:
             raise self.unstable
@@ -101,12 +108,13 @@ def best_way(
     """
     ways = [Way.of(model, *way, seed, limit, progress) for way in _matched(model, training, held_out)]
     _refuse_wrong_sign(ways[0].asked)
-    ways = _explaining(ways, progress)
-    tried = []
-    for k, way in enumerate(ways):
+    ways, tried = _explaining(ways, progress)
+    for k, way in enumerate(() if tried else ways):
         if k:
             progress(f"searching again with another assumption about the loop, {k + 1} of {len(ways)}")
-        tried.append(way.searched())
+        # an assumption under which it takes more than under another is not the answer
+        enough = [len(found.steps) for found in tried if found.consistent_after]
+        tried.append(way.searched(most=max(1, min(enough)) if enough else None))
     ties = _ties(tried)
     # a loop that reads noise otherwise leaves another level of it
     which = min(
@@ -124,8 +132,9 @@ def _refuse_wrong_sign(asked: Asked) -> None:
         refuse_wrong_sign_in_loop(start.hypothesis.model, asked.training, error, floor)
 
 
-def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
-    """Return assumptions whose joint solution leaves only noise; otherwise the simplest that explain as much.
+def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way], list[SearchResult]]:
+    """Return assumptions whose joint solution leaves only noise, or else under which one effect does, with
+    the results; otherwise the simplest that explain as much.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
     what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say. All
@@ -133,15 +142,22 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
     the machine's, in which nothing helps.
     """
     if len(ways) == 1:
-        return ways
+        return ways, []
     progress(f"testing {len(ways)} assumptions about how the loop works")
     found = [search(way.asked, only_jointly=True) for way in ways]
     ties = _ties(found)
     kept = [k for k in ties if _is_at_noise(found[k])]
-    if not kept and all(found[k].explained >= POLICY.explained for k in ties):
+    if kept:
+        return [ways[k] for k in kept], []
+    # a delay, which is no torque along the motion, may suffice alone
+    alone = [(way, way.searched(most=1)) for way in ways]
+    done = [(way, one) for way, one in alone if one.consistent_after]
+    if done:
+        return [way for way, _ in done], [one for _, one in done]
+    if all(found[k].explained >= POLICY.explained for k in ties):
         fewest = min(found[k].final.hypothesis.size for k in ties)
-        kept = [k for k in ties if found[k].final.hypothesis.size == fewest]
-    return [ways[k] for k in kept] or ways
+        return [ways[k] for k in ties if found[k].final.hypothesis.size == fewest], []
+    return ways, []
 
 
 def _is_at_noise(found: SearchResult) -> bool:

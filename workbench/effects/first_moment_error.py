@@ -142,7 +142,8 @@ def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
     a motion shows only what things are to one another, and a mass would set the measure of all of it.
     """
     link = _now(model, place)
-    if not link.mass_alone or not any(np.any(m.torque) for m in motions):
+    undriven = len(motions) > 0 and not any(np.any(m.torque) for m in motions)
+    if not link.mass_alone or undriven:
         return ({},)
     lever = _lever(link.inertial, link)
     heavier = {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
