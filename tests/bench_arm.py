@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
@@ -67,6 +68,7 @@ def logged(
     speed_noise: float = 0.0,
     differences: bool = False,
     resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    late: int = 0,
     seed: int = 0,
 ) -> Recording:
     """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor, or from `differences`.
@@ -78,6 +80,7 @@ def logged(
         positions_alone: the log has positions and references.
         speed_noise: what the loop's sensor of speed adds at each tick [rad/s].
         resisting: torque (3,) of something else by position and speed.
+        late: ticks by which the drives are late.
     """
     m = mujoco.MjModel.from_xml_path(str(file))
     m.opt.timestep, m.opt.integrator = 2.5e-4, mujoco.mjtIntegrator.mjINT_RK4
@@ -89,18 +92,20 @@ def logged(
         whole = [sum(a * np.sin(2 * np.pi * f * t + p) - a * np.sin(p) for a, f, p in axis) for axis in tones]
         return np.array(whole) * min(1.0, t)
 
-    rows, before = [], data.qpos.copy()
+    rows, before, coming = [], data.qpos.copy(), deque([np.zeros(3)] * late)
     for k in range(count):
         reference = wanted((k // ticks) * log_s if held else k * loop_s)
         q, w = data.qpos.copy(), data.qvel.copy()
         speed = (q - before) / loop_s if differences else w + read.normal(0.0, speed_noise, 3)
         torque, before = KP * (reference - q) - KD * speed, q
+        coming.append(torque)
+        given = coming.popleft()
         if k % ticks == 0:
             noise = generator.normal(0.0, 1.0, (3, 3)) * [[5e-5], [2e-3], [0.02]]
-            rows.append((q + noise[0], w + noise[1], torque, torque + noise[2], reference))
+            rows.append((q + noise[0], w + noise[1], torque, given + noise[2], reference))
         for _ in range(round(loop_s / m.opt.timestep)):
             extra = 0.0 if resisting is None else resisting(data.qpos, data.qvel)
-            data.qfrc_applied[:] = torque + extra
+            data.qfrc_applied[:] = given + extra
             mujoco.mj_step(m, data)
     names = "position", "velocity", "torque_command", "torque_measured", "position_reference"
     signals = {name: np.stack([row[k] for row in rows]) for k, name in enumerate(names)}

@@ -48,3 +48,20 @@ def test_a_noisy_speed_that_was_not_logged_leaves_the_simpler_loop(tmp_path: Pat
     )
     assert any("assumptions about how the loop works" in text for text in said)
     assert not any("another assumption about the loop" in text for text in said)
+
+
+def test_a_delay_is_found_under_the_right_assumption_about_the_loop(tmp_path: Path) -> None:
+    """It is no torque along the motion: what the torque shows would have another loop, and more effects."""
+    logs = [
+        logged(
+            bench_arm(tmp_path), tones, seconds=3.0, seed=k, log_s=0.002, loop_s=0.001, held=False,
+            positions_alone=True, late=5,
+        )
+        for k, tones in enumerate((SLOW, FAST))
+    ]  # fmt: skip
+    said: list[str] = []
+    (finding,) = diagnose(load_model(bench_arm(tmp_path)), logs, progress=said.append).findings
+    assert finding.key.effect in ("command_delay", "sensor_delay")
+    assert finding.parameters["time"].value == pytest.approx(0.005, abs=1e-4)
+    assert any("assumptions about how the loop works" in text for text in said)
+    assert not any("another assumption about the loop" in text for text in said)
