@@ -213,6 +213,19 @@ def test_a_solver_that_fails_is_a_failure_in_the_table(case: Path, tmp_path: Pat
         answer_all(tmp_path / "empty.py", [], tmp_path / "out")
 
 
+def test_marks_of_a_baseline_are_those_of_every_other_machine(case: Path, tmp_path: Path) -> None:
+    """Cases, answer and marks: what differs is in digits that no table shows."""
+    answer_all(EXAM / "baselines" / "least_squares_bic.py", [read_case(case)], tmp_path)
+    answer, _ = read_answer(tmp_path / "case-000.json")
+    (named,) = answer.named
+    assert (named.effect, named.place) == ("payload_mass", None)
+    assert named.values["mass"] == pytest.approx((0.1205278022, 0.1125637648, 0.1284918396), rel=1e-8)
+    told = truth_of(case, OPEN_KEY)
+    marks = mark(told, answer, 1.0, judge(told, answer))
+    assert marks["good"] and marks["named"][0]["covered"] == {"mass": False}
+    assert marks["removed"] == pytest.approx(0.9645906045, rel=1e-8)
+
+
 def test_a_table_counts() -> None:
     good = mark(TOLD, Answer("missing_effect", (RIGHT,)), 2.0, None)
     bad = mark(TOLD, Answer("missing_effect", (Named("cogging", "yaw", {}, 0.6),)), 4.0, None)
