@@ -72,7 +72,7 @@ def test_a_dbc_of_an_odrive_is_that_of_its_node_and_a_moteus_has_none(tmp_path: 
     told = CliRunner().invoke(app, ["can", "dbc", str(written(tmp_path, content)), "-o", str(out)])
     assert (
         told.exit_code == 0
-        and "2 drive(s). A DBC cannot describe a moteus, so the file leaves out heel" in told.output
+        and "2 drives. A DBC cannot describe a moteus, so the file leaves out heel" in told.output
     )
     database = cantools.database.load_file(out)
     assert len(database.messages) == 26

@@ -76,8 +76,11 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     effect = effect_named(applied.key.effect)
     there = [p for p in effect.parameters if p.name in applied.parameters]
     turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
-    _, shape = effect.parameters.to_coefficients(applied.values)
-    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *shape, *turns)]
+    stated: list[str] = []  # a form, that is not estimated
+    if any(p.optional for p in there):
+        _, shape = effect.parameters.to_coefficients(applied.values)
+        stated = [p.name for p in there if p.optional and p.name in shape]
+    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns, *stated)]
     return sizes or there
 
 

@@ -61,3 +61,8 @@ def test_a_leg_that_differs_keeps_its_own_size() -> None:
 def test_what_one_leg_alone_shows_is_not_given_to_all() -> None:
     _, sizes = found([0.3, 0.0, 0.0, 0.0], [1.0] * 4)
     assert set(sizes) == {AXES[0]}
+
+
+def test_where_nothing_is_missing_nothing_is_shared() -> None:
+    common, sizes = found([0.0] * 4, [1.0] * 4)
+    assert not sizes and not common.shared

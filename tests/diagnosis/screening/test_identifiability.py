@@ -13,6 +13,7 @@ from workbench.diagnosis import diagnose, fit_effect
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.problem import Problem, starting_fit
 from workbench.diagnosis.screening.identifiability import disagreements
+from workbench.diagnosis.screening.linear_problem import linear_along
 from workbench.effects import load_model
 from workbench.models import Model
 
@@ -104,8 +105,10 @@ def test_one_recording_of_another_machine_disagrees_with_those_that_are_nearly_r
     logs = [logged(m, FAST, seconds=6.0, seed=k) for k, m in enumerate(machines)]
     model = load_model(bench_arm(tmp_path))
     data, runs = gather(model, logs, (), seed=0)
-    linear = Problem(starting_fit(model, data, runs.clean), data, 1, 0, print).linear
-    assert linear is not None and (linear.excess > linear.quiet).all()
+    along = Problem(starting_fit(model, data, runs.clean), data, 1, 0, print).inverse_dynamics
+    assert along is not None
+    linear = linear_along(along[2])
+    assert (linear.excess > linear.quiet).all()
     (found,) = disagreements(linear, ("one", "two", "three"))
     assert str(found.key) == "viscous_damping@lift"
     np.testing.assert_allclose(found.values, (0.0, 0.0, 1.6), atol=0.15)

@@ -111,7 +111,7 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
         blur = effect.parameters.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
         fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in there]))
-        stated = np.array([p.name in shape and p.name not in effect.parameters.nonlinear for p in there])
+        stated = np.array([p.optional and p.name in shape for p in there])  # a form is not estimated
         deviation = np.where(stated, 0.0, np.hypot(deviation, fine))
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)

@@ -30,14 +30,15 @@ def in_common(now: Selection, regression: Regression) -> Selection:
         total, other = (float(s.solution.test_loss.sum()) for s in (now, common))
         if (lost < least_gain((entry,), regression)).all() and (len(own) > 1 or other < total):
             now = common
-    return _apart(without_needless(grown(now, regression, regression.alike), regression))
+    now = without_needless(grown(now, regression, regression.alike), regression)
+    return _apart(now) if now.chosen else now
 
 
 def _apart(now: Selection) -> Selection:
     """Return the selection with one effect per joint, and which of them share a size."""
     parts = np.split(now.solution.coefficients, np.cumsum([len(e.linear) for e in now.chosen])[:-1])
     pairs = [(m, own) for e, own in zip(now.chosen, parts, strict=True) for m in e.members]
-    coefficients = np.concatenate([np.zeros(0), *(own for _, own in pairs)])
+    coefficients = np.concatenate([own for _, own in pairs])
     solution = Solution(coefficients, now.solution.validated, now.solution.test_loss)
     shared = tuple(frozenset(m.key for m in e.alike) for e in now.chosen if e.alike)
     return replace(now, chosen=tuple(m for m, _ in pairs), solution=solution, shared=shared)
