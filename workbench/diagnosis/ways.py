@@ -150,10 +150,9 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     if kept:
         return [ways[k] for k in kept], []
     # a delay, which is no torque along the motion, may suffice alone
-    alone = [(way, way.searched(most=1)) for way in ways]
-    done = [(way, one) for way, one in alone if one.consistent_after]
-    if done:
-        return [way for way, _ in done], [one for _, one in done]
+    alone = [way.searched(most=1) for way in ways]
+    if any(one.consistent_after for one in alone):
+        return ways, alone
     if all(found[k].explained >= POLICY.explained for k in ties):
         fewest = min(found[k].final.hypothesis.size for k in ties)
         return [ways[k] for k in ties if found[k].final.hypothesis.size == fewest], []
