@@ -149,8 +149,9 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     kept = [k for k in ties if _is_at_noise(found[k])]
     if kept:
         return [ways[k] for k in kept], []
-    # a delay, which is no torque along the motion, may suffice alone
-    alone = [way.searched(most=1) for way in ways]
+    # a delay, which is no torque along the motion, may suffice alone; of many axes only torques are asked
+    expensive = any(way.asked.problem.is_expensive for way in ways)
+    alone = [] if expensive else [way.searched(most=1) for way in ways]
     if any(one.consistent_after for one in alone):
         return ways, alone
     if all(found[k].explained >= POLICY.explained for k in ties):
