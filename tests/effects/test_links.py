@@ -86,6 +86,12 @@ def test_all_inertia_of_a_link_in_proportion(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.sort(after), 1.5 * np.sort(before))
 
 
+def test_inertia_in_proportion_is_not_asked_where_the_file_states_no_rotor(tmp_path: Path) -> None:
+    """Several rotors that are missing do nearly the same, and a file without any lacks them."""
+    model = load_model(bench_arm(tmp_path, bend_armature=0.0))
+    assert forms(model, "link_inertia_error", "bend")[1] == [{}]
+
+
 def test_one_axis_alone_turns_a_link_where_all_are_parallel(tmp_path: Path) -> None:
     model = load_model(bench_arm(tmp_path, yaw_z=0.0, yaw_y=1.0))
     assert forms(model, "link_inertia_error", "bend")[1] == [{}]

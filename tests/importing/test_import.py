@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.cli.here import run
+from tests.importing.leg_urdf import urdf_of_a_leg
 from tests.mechanism.chains import open_loop
 from workbench.core import InputError, Mechanism
 from workbench.core.paths import closed_chain_file
@@ -20,46 +21,6 @@ from workbench.verification import verify
 
 LEG = Mechanism(closed_chain_file("leg"), limits=((-1.6, 1.6), (0.35, 2.6)))
 MOTORS = Drives((9.0, 9.0), (2e-4, 2e-4), (1.2e-3, 1.2e-3), (24.0, 24.0))
-
-
-def urdf_of_a_leg() -> str:
-    """A parallelogram in URDF, written out by hand: thigh 0.2, shank 0.25 with a rear arm of 0.05."""
-
-    def link(name: str, z: float, mass: float, about: float) -> str:
-        inertia = f'ixx="{about}" iyy="{about}" izz="{about / 10}" ixy="0" ixz="0" iyz="0"'
-        return (
-            f'<link name="{name}"><inertial><origin xyz="0 0 {z}"/><mass value="{mass}"/>'
-            f"<inertia {inertia}/></inertial></link>"
-        )
-
-    def joint(name: str, parent: str, child: str, z: float) -> str:
-        return (
-            f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
-            f'<origin xyz="0 0 {z}"/><axis xyz="0 -1 0"/>'
-            '<limit lower="-1.5" upper="1.5" effort="20" velocity="30"/></joint>'
-        )
-
-    def tip(name: str, parent: str, z: float) -> str:
-        return (
-            f'<link name="{name}"/><joint name="{name}_weld" type="fixed"><parent link="{parent}"/>'
-            f'<child link="{name}"/><origin xyz="0 0 {z}"/></joint>'
-        )
-
-    parts = [
-        '<link name="world"/>',
-        link("thigh", -0.1, 1.1, 0.004),
-        link("shank", -0.08, 0.3, 0.002),
-        link("crank", 0.02, 0.08, 1e-4),
-        link("rod", -0.1, 0.06, 2e-4),
-        joint("hip", "world", "thigh", 0.0),
-        joint("motor", "world", "crank", 0.0),
-        joint("knee", "thigh", "shank", -0.2),
-        joint("rod_pin", "crank", "rod", 0.05),
-        tip("rod_end", "rod", -0.2),
-        tip("arm_end", "shank", 0.05),
-        tip("toe", "shank", -0.25),
-    ]
-    return f'<robot name="own">{"".join(parts)}</robot>'
 
 
 def test_the_reference_leg_comes_back_with_nothing_typed(tmp_path: Path) -> None:

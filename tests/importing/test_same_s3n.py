@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.cli.here import run
+from tests.importing.leg_urdf import urdf_of_a_leg
 from workbench.models import Model, read_model
 from workbench.s3n import NormalisedTree, PostureDependent, compiled_dynamics, normalise
 from workbench.s3n.posture_fitted import fit_native
@@ -18,37 +19,8 @@ _LINKS = {
     "thigh": (1.1, -0.1, 4e-3, 4e-4), "shank": (0.3, -0.08, 2e-3, 2e-4),
     "crank": (0.08, 0.02, 1e-4, 1e-5), "rod": (0.06, -0.1, 2e-4, 2e-5),
 }  # fmt: skip
+_RANGES = {"hip": (-0.8, 0.8), "motor": (-2.0, 3.0), "knee": (0.7, 1.9), "rod_pin": (-4.0, 4.0)}
 _ROTOR, _DRAG, _LIMIT = 0.016, 0.05, 20.0
-
-
-def _urdf(rod: float) -> str:
-    links = "".join(
-        f'<link name="{name}"><inertial><origin xyz="0 0 {z}"/><mass value="{m}"/>'
-        f'<inertia ixx="{i}" iyy="{i}" izz="{k}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-        for name, (m, z, i, k) in _LINKS.items()
-    )
-    ends = "".join(f'<link name="{name}"/>' for name in ("world", "rod_end", "arm_end", "toe"))
-
-    def joint(name: str, parent: str, child: str, z: float, low: float, high: float) -> str:
-        return (
-            f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
-            f'<origin xyz="0 0 {z}"/><axis xyz="0 -1 0"/>'
-            f'<limit lower="{low}" upper="{high}" effort="20" velocity="30"/></joint>'
-        )
-
-    def fixed(name: str, parent: str, child: str, z: float) -> str:
-        return (
-            f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/>'
-            f'<origin xyz="0 0 {z}"/></joint>'
-        )
-
-    joints = (
-        joint("hip", "world", "thigh", 0.0, -0.8, 0.8) + joint("motor", "world", "crank", 0.0, -2.0, 3.0)
-        + joint("knee", "thigh", "shank", -0.2, 0.7, 1.9) + joint("pin", "crank", "rod", 0.05, -4.0, 4.0)
-        + fixed("a", "rod", "rod_end", -rod) + fixed("b", "shank", "arm_end", 0.05)
-        + fixed("c", "shank", "toe", -0.25)
-    )  # fmt: skip
-    return f'<robot name="own">{ends}{links}{joints}</robot>'
 
 
 def _mjcf(rod: float) -> str:
@@ -73,7 +45,7 @@ def _imported(folder: Path, rod: float) -> list[Model]:
     words = ["--drive", "hip", "--drive", "motor", "--joint", "hip", "--joint", "knee", "--foot", "toe"]
     drives = ["--rotor-inertia", str(_ROTOR), "--rotor-damping", str(_DRAG), "--torque-limit", str(_LIMIT)]
     own = {
-        "one.urdf": (_urdf(rod), ["--loop", "rod_end:arm_end", *drives]),
+        "one.urdf": (urdf_of_a_leg(rod, _RANGES), ["--loop", "rod_end:arm_end", *drives]),
         "other.xml": (_mjcf(rod), []),
     }
     found = []

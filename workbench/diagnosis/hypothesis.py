@@ -73,6 +73,16 @@ class Fit:
     fold_losses: np.ndarray
 
 
+def stated_forms(applied: AppliedEffect) -> frozenset[str]:
+    """Return the parameters that say which form of an effect is meant: stated, not estimated."""
+    parameters = effect_named(applied.key.effect).parameters
+    optional = {p.name for p in parameters if p.optional and p.name in applied.parameters}
+    if not optional:
+        return frozenset()
+    _, shape = parameters.to_coefficients(applied.values)
+    return frozenset(optional & shape.keys())
+
+
 def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
     """Return which unknowns belong to which free effect: linear coefficients, then nonlinear parameters."""
     out, start = [], 0

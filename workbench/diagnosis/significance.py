@@ -9,7 +9,7 @@ import numpy as np
 from workbench.effects import Parameter, effect_named, kinds
 from workbench.models import AppliedEffect, Model, Placement
 
-from .hypothesis import Fit
+from .hypothesis import Fit, stated_forms
 from .policy import POLICY
 from .screening.sensitivity import Linearisation, SensitivityColumn, combine
 
@@ -76,11 +76,7 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     effect = effect_named(applied.key.effect)
     there = [p for p in effect.parameters if p.name in applied.parameters]
     turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
-    stated: list[str] = []  # a form, that is not estimated
-    if any(p.optional for p in there):
-        _, shape = effect.parameters.to_coefficients(applied.values)
-        stated = [p.name for p in there if p.optional and p.name in shape]
-    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns, *stated)]
+    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns, *stated_forms(applied))]
     return sizes or there
 
 

@@ -108,13 +108,8 @@ def best_way(
     """
     ways = [Way.of(model, *way, seed, limit, progress) for way in _matched(model, training, held_out)]
     _refuse_wrong_sign(ways[0].asked)
-    ways, tried = _explaining(ways, progress)
-    for k, way in enumerate(() if tried else ways):
-        if k:
-            progress(f"searching again with another assumption about the loop, {k + 1} of {len(ways)}")
-        # an assumption under which it takes more than under another is not the answer
-        enough = [len(found.steps) for found in tried if found.consistent_after]
-        tried.append(way.searched(most=max(1, min(enough)) if enough else None))
+    ways, by_one_effect = _explaining(ways, progress)
+    tried = by_one_effect or _searched(ways, progress)
     ties = _ties(tried)
     # a loop that reads noise otherwise leaves another level of it
     which = min(
@@ -125,6 +120,17 @@ def best_way(
     return _covering(tried[which], others), ways[which]
 
 
+def _searched(ways: Sequence[Way], progress: Progress) -> list[SearchResult]:
+    """Return the results of all assumptions; one that takes more effects than another is not the answer."""
+    tried: list[SearchResult] = []
+    for k, way in enumerate(ways):
+        if k:
+            progress(f"searching again with another assumption about the loop, {k + 1} of {len(ways)}")
+        enough = [len(found.steps) for found in tried if found.consistent_after]
+        tried.append(way.searched(most=max(1, min(enough)) if enough else None))
+    return tried
+
+
 def _refuse_wrong_sign(asked: Asked) -> None:
     start, data = asked.problem.start, asked.problem.data
     if data.replay.machine_alone and not is_consistent(data, start.mean_squares):
@@ -133,8 +139,9 @@ def _refuse_wrong_sign(asked: Asked) -> None:
 
 
 def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way], list[SearchResult]]:
-    """Return assumptions whose joint solution leaves only noise, or else under which one effect does, with
-    the results; otherwise the simplest that explain as much.
+    """Return assumptions whose joint solution leaves only noise; otherwise the simplest that explain as much.
+
+    Where one effect alone leaves only noise under one of them, all come with the results of that.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
     what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say. All

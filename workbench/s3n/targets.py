@@ -8,9 +8,8 @@ from xml.etree import ElementTree
 
 from workbench.core import InputError
 
-from .urdf_writer import urdf_text
+from .urdf_writer import ROUNDING, urdf_text
 
-_ROUNDING = 1e-9  # of the weight or the inertia: what is less is rounding, and nobody loses it
 _DELAY = ("delay", "interp", "nsample")
 
 
@@ -105,7 +104,7 @@ def _newton(xml: str) -> Fitted:
     lost = _cut(root)
     for tendon in (each for kind in ("fixed", "spatial") for each in root.iter(kind) if each.get("armature")):
         armature = float(tendon.get("armature", 0.0))
-        if abs(armature) > _ROUNDING * _inertia(root):
+        if abs(armature) > ROUNDING * _inertia(root):
             lost.append(
                 f"tendon {tendon.get('name')}: armature {armature:.6g}, in solvers other than MuJoCo's"
             )
@@ -169,7 +168,7 @@ def _linear(root: ElementTree.Element) -> list[str]:
 
     A term that is next to nothing beside the weight is what a fit or a sum leaves, and no loss.
     """
-    lost, least = [], _ROUNDING * _weight(root)
+    lost, least = [], ROUNDING * _weight(root)
     for each in _elements(root):
         for key in ("damping", "stiffness"):
             first, *more = each.get(key, "").split() or [""]

@@ -15,7 +15,8 @@ from workbench.models import Inertial
 _TYPES = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 
 _OF_JOINTS = "rotor inertia (armature)", "stiffness"
-_ROUNDING = 1e-9  # of inertia, weight or mass: what is less is rounding, and nobody loses it
+#: Of inertia, weight or mass: what is less is rounding, and nobody loses it.
+ROUNDING = 1e-9
 
 
 def urdf_text(xml: str) -> tuple[str, tuple[str, ...]]:
@@ -43,7 +44,7 @@ def urdf_text(xml: str) -> tuple[str, tuple[str, ...]]:
     for a in range(m.nu):
         if m.actuator_delay[a]:
             lost.append(f"motor {m.actuator(a).name}: delay {m.actuator_delay[a]:g} s")
-    lifted = [b for b in range(1, m.nbody) if abs(m.body_gravcomp[b]) > _ROUNDING]
+    lifted = [b for b in range(1, m.nbody) if abs(m.body_gravcomp[b]) > ROUNDING]
     lost += [
         f"body {names[b]}: gravcomp, only {1 - m.body_gravcomp[b]:.6g} of its mass weighs" for b in lifted
     ]
@@ -60,7 +61,7 @@ def _of_tendon(m: mujoco.MjModel, t: int) -> list[str]:
         ("dry friction", m.tendon_frictionloss[t], torque),
         ("stiffness", _first(m.tendon_stiffness[t]), torque),
     )
-    told = [f"{name} {float(value):.6g}" for name, value, least in terms if abs(value) > _ROUNDING * least]
+    told = [f"{name} {float(value):.6g}" for name, value, least in terms if abs(value) > ROUNDING * least]
     return [f"tendon {m.tendon(t).name}: {', '.join(told)}"] if told else []
 
 
@@ -124,7 +125,7 @@ def _joint(robot: ElementTree.Element, m: mujoco.MjModel, b: int, names: list[st
     rotor, stiffness = m.dof_armature[dof], _first(m.jnt_stiffness[first])
     scales = (m.dof_M0[dof], _scales(m)[1])
     for what, value, scale in zip(_OF_JOINTS, (rotor, stiffness), scales, strict=True):
-        if abs(value) > _ROUNDING * scale:
+        if abs(value) > ROUNDING * scale:
             lost.append(f"joint {name}: {what} {float(value):.6g}")
 
 

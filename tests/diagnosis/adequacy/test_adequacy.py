@@ -48,6 +48,7 @@ def test_what_is_strange_on_one_of_three_alike_does_not_hide_what_all_have(tmp_p
     for finding in found.findings:
         change = finding.parameters["damping"]
         assert change.value == pytest.approx(-0.7, abs=1.96 * change.std + 0.01)
+    assert len({f.parameters["damping"].value for f in found.findings}) == 1, "they are alike"
 
 
 def test_a_stranger_that_changes_the_size_of_a_law_leaves_it_without_a_name_there(tmp_path: Path) -> None:

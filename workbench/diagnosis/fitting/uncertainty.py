@@ -13,7 +13,7 @@ from workbench.effects import Effect, Parameter, Values, effect_named, kinds, mo
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
-from ..hypothesis import Fit, Hypothesis, blocks
+from ..hypothesis import Fit, Hypothesis, blocks, stated_forms
 from ..policy import POLICY
 from .normal_equations import Normal
 
@@ -111,8 +111,8 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
         blur = effect.parameters.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
         fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in there]))
-        stated = np.array([p.optional and p.name in shape for p in there])  # a form is not estimated
-        deviation = np.where(stated, 0.0, np.hypot(deviation, fine))
+        estimated = np.array([p.name not in stated_forms(applied) for p in there])
+        deviation = np.hypot(deviation, fine) * estimated
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)
             for i, p in enumerate(there)

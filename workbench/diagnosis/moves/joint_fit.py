@@ -94,7 +94,7 @@ def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, da
     candidates = chosen.candidates()
     found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
     while found is not None:
-        found = _with_shared_sizes(found, chosen.shared, data)
+        found = replace(found, hypothesis=_with_shared_sizes(found.hypothesis, chosen.shared))
         told = tuple(a for a in found.hypothesis.free if told_by_motion(regression.linearisation, a, found))
         if len(told) < len(found.hypothesis.free):
             found = fit([replace(found.hypothesis, free=told)], data)[0] if told else None
@@ -108,15 +108,17 @@ def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, da
             break
         clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
         found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
-    return found
+    if found is None or not chosen.shared:
+        return found
+    return evaluated(found.hypothesis, data.run([found.hypothesis.model])[0], data)
 
 
-def _with_shared_sizes(found: Fit, shared: Sequence[frozenset[EffectKey]], data: Data) -> Fit:
-    """Return the fit in which each of the shared effects has the mean of its sizes, weighted by variances.
+def _with_shared_sizes(hypothesis: Hypothesis, shared: Sequence[frozenset[EffectKey]]) -> Hypothesis:
+    """Return the hypothesis in which shared effects have the mean of their sizes, weighted by variances.
 
     If they scatter more than their deviations say, the deviation of the mean grows with that.
     """
-    values = {a.key: a for a in found.hypothesis.free}
+    values = {a.key: a for a in hypothesis.free}
     for keys in shared:
         there = [values[key] for key in values if key in keys]
         if len(there) < 2:
@@ -130,11 +132,7 @@ def _with_shared_sizes(found: Fit, shared: Sequence[frozenset[EffectKey]], data:
         for a in there:
             own = replace(a.parameters[name], value=mean, std=std)
             values[a.key] = AppliedEffect(a.key, {name: own})
-    free = tuple(values.values())
-    if free == found.hypothesis.free:
-        return found
-    hypothesis = replace(found.hypothesis, free=free)
-    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
+    return replace(hypothesis, free=tuple(values.values()))
 
 
 def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
