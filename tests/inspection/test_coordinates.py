@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.inspection.test_inspect import BELT, made
+from tests.inspection.belt import BELT, made
 from workbench.core import Recording
 from workbench.inspection import Remark, inspect
 from workbench.inspection.coordinates import law_elsewhere

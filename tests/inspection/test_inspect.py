@@ -9,72 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy
 
 from tests.data_helpers import emps_toml, leg_examples
+from tests.inspection.belt import BELT, STEP, alarms, remarks, swapped, times
 from workbench.core import Controller, Recording
-from workbench.inspection import Remark, inspect, inspection_dict
+from workbench.inspection import inspect, inspection_dict
 from workbench.recordings import load_recording
-
-BELT = np.array([[1.0, 0.0], [1.0, 1.0]])
-STEP = 2 * np.pi / 16384
-
-
-def made(seconds: float = 6.0, seed: int = 0) -> Recording:
-    """Two axes behind a belt, PD in joint coordinates, ticks of 3 ms, 3 ms delay, sensors with noise."""
-    rng = np.random.default_rng(seed)
-    dt, hold = 1e-3, 3
-    rows = int(seconds / dt)
-    t = np.arange(rows) * dt
-    reference = np.column_stack([0.3 * np.sin(2 * np.pi * (0.5 + 0.6 * t) * t), 1 + 0.4 * np.sin(9 * t)])
-    push = 0.5 * np.column_stack([np.sin(40 * t), np.sin(55 * t + 1)])
-    kp, kd, inertia = np.array([30.0, 20.0]), np.array([0.9, 0.7]), np.array([0.03, 0.02])
-    q, v = BELT @ reference[0], np.zeros(2)
-    out = {k: np.empty((rows, 2)) for k in ("position", "velocity", "torque_command", "torque_measured")}
-    command, back = np.zeros(2), np.linalg.inv(BELT)
-    for k in range(rows):
-        out["position"][k] = np.round(q / STEP) * STEP
-        out["velocity"][k] = v + rng.normal(0, 0.015, 2)
-        if k % hold == 0:
-            error = reference[k] - back @ out["position"][k]
-            command = push[k] + back.T @ (kp * error - kd * (back @ out["velocity"][k]))
-        out["torque_command"][k] = command
-        torque = out["torque_command"][k - 3] if k >= 3 else np.zeros(2)
-        out["torque_measured"][k] = torque + rng.normal(0, 0.02, 2)
-        change = dt * (torque - 0.1 * v) / inertia
-        q = q + dt * (v + change / 2)
-        v = v + change
-    law = Controller("pd", "joint", kp=(30.0, 20.0), kd=(0.9, 0.7), period_s=0.003)
-    signals = {**out, "torque_feedforward": push, "position_reference": reference}
-    return Recording("made", ("a", "b"), "actuator", t, signals, ("rad", "rad"), controller=law)
-
-
-@pytest.fixture(scope="module")
-def sound() -> Recording:
-    return made()
-
-
-def remarks(recording: Recording, **options: np.ndarray) -> tuple[Remark, ...]:
-    return inspect([recording], **options).recordings[0].remarks
-
-
-def alarms(recording: Recording) -> list[Remark]:
-    return [r for r in remarks(recording) if r.severity in ("warning", "problem")]
-
-
-def times(recording: Recording, signal: str, axis: int, factor: float) -> Recording:
-    values = recording.signals[signal].copy()
-    values[:, axis] *= factor
-    return recording.with_signals(**{signal: values})
-
-
-def swapped(recording: Recording, *signals: str) -> Recording:
-    return recording.with_signals(**{s: recording.signals[s][:, ::-1] for s in signals})
-
-
-def later(recording: Recording, signal: str, rows: int) -> Recording:
-    source = np.clip(np.arange(len(recording)) - rows, 0, len(recording) - 1)
-    return recording.with_signals(**{signal: recording.signals[signal][source]})
 
 
 def test_nothing_is_wrong_with_sound_data(sound: Recording) -> None:
@@ -202,51 +142,6 @@ def test_transmission_that_is_given_is_used(sound: Recording) -> None:
 def test_ticks(sound: Recording, change: Callable[[Recording], Recording], text: str) -> None:
     found = [r for r in alarms(change(sound)) if r.topic == "controller"]
     assert len(found) == 1 and text in found[0].text
-
-
-@pytest.mark.parametrize("rows", [1, 4, -2])
-def test_velocity_channel_with_another_clock(sound: Recording, rows: int) -> None:
-    found = [r for r in alarms(later(sound, "velocity", rows)) if r.topic == "clock" and r.axis]
-    assert [r.axis for r in found] == ["a", "b"]
-    for remark in found:
-        assert remark.value["offset_s"] == pytest.approx(rows * 1e-3, abs=2.5e-4)
-
-
-def filtered(recording: Recording, time: float) -> Recording:
-    """The same with a speed that the drive has passed through a first-order low-pass [s]."""
-    share = 1.0 - np.exp(-recording.period / time)
-    v = scipy.signal.lfilter([share], [1.0, share - 1.0], recording.velocity, axis=0)
-    return replace(recording, signals={**recording.signals, "velocity": v})
-
-
-@pytest.mark.parametrize("time", [0.02, 0.05])
-def test_a_speed_that_the_drive_has_filtered_is_no_gear_ratio(sound: Recording, time: float) -> None:
-    found = [r for r in alarms(filtered(sound, time)) if "Velocity of 'a'" in r.text]
-    assert [r.topic for r in found] == ["clock"] and "low-pass" in found[0].text
-    assert found[0].value["filter_s"] == pytest.approx(time, rel=0.1)
-    geared = [
-        r for r in alarms(times(filtered(sound, time), "velocity", 0, 0.7)) if "Velocity of 'a'" in r.text
-    ]
-    assert any("gear ratio" in r.text for r in geared), "a filter and a ratio are no filter"
-
-
-def test_delay_of_torque_to_a_part_of_a_row(sound: Recording) -> None:
-    command = sound.signals["torque_command"]
-    between = 0.6 * np.roll(command, 3, axis=0) + 0.4 * np.roll(command, 4, axis=0)
-    delays = [r for r in remarks(sound.with_signals(torque_measured=between)) if r.topic == "delay"]
-    assert [r.value["delay_s"] for r in delays] == pytest.approx([3.4e-3, 3.4e-3], abs=2e-5)
-
-
-def test_noise_makes_no_delay(sound: Recording) -> None:
-    rng, command = np.random.default_rng(4), sound.signals["torque_command"]
-    at_once = {**sound.signals, "torque_measured": command + rng.normal(0, 0.05, command.shape)}
-    said = [r.text for r in remarks(replace(sound, signals=at_once)) if r.topic == "delay" and r.axis]
-    assert said == [f"Measured torque of '{axis}' comes with its command, in the same row." for axis in "ab"]
-
-
-def test_torque_before_its_command(sound: Recording) -> None:
-    found = alarms(later(sound, "torque_measured", -8))
-    assert {r.topic for r in found} >= {"clock"} and "before its command" in " ".join(r.text for r in found)
 
 
 def test_saturated_torque(sound: Recording) -> None:
