@@ -52,6 +52,20 @@ def test_a_right_model_explains_positions_alone(tmp_path: Path) -> None:
     assert found.consistent and found.error < 1.2 * found.noise_error
 
 
+@pytest.mark.parametrize("numbers", [{}, {"lift_damping": 1.6}], ids=["alone", "beside damping"])
+def test_drives_that_are_half_a_row_late_leave_the_reference_open(
+    tmp_path: Path, numbers: dict[str, float]
+) -> None:
+    """They move the reference as one does that is constant from row to row, and look like wrong numbers then."""
+    machine, model = bench_arm(tmp_path, "machine", **numbers), load_model(bench_arm(tmp_path))
+    made = [
+        logged(machine, tones, log_s=0.01, loop_s=0.001, held=False, late=5, positions_alone=True)
+        for tones in (SLOW, FAST)
+    ]
+    ways = matched_ways(model, made)
+    assert {way[0].timing.reference_held for way in ways} == {True, False}
+
+
 def test_what_is_stated_is_not_asked(tmp_path: Path) -> None:
     machine = bench_arm(tmp_path)
     log = logs(machine, held=True)[1]

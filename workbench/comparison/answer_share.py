@@ -13,12 +13,13 @@ _BLOCKS = 5
 @dataclass(frozen=True)
 class Asked:
     """Data of one axis: residual torque of the law against measurement or model (M,), its change under each
-    assumption (M, 2), and under numbers that may be wrong (M, C).
+    assumption (M, A), and under numbers that may be wrong (M, C).
     """
 
     lacking: np.ndarray
     answers: np.ndarray
     inertia: np.ndarray
+    damping: np.ndarray
     others: np.ndarray
 
 

@@ -86,9 +86,9 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     between = [prepare(r, model) for r in known]
     if not alone or not any(np.any(e.ticks % e.stride) for e in between):
         return tuple(_by_speed(Reading(tuple(out), asked), axes))
-    share, std = answer_share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
+    share, std = answer_share([np.hstack([a.others, a.damping, a.inertia]) for a in axes], axes, 0)
     held = share > 0.5
-    sure = max(std, abs(share - held)) < _SURE
+    sure = max(std, abs(share - held)) < _SURE and not (held and _may_be_late(axes))
     found: list[Reading] = []
     for answer in (held,) if sure else (held, not held):
         taken = tuple(_held(r, answer) if i in asked else r for i, r in enumerate(out))
@@ -99,18 +99,35 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
 
 def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
     """A reading with the way in which loops come to know their speed, or with each of them."""
-    votes = [answer_share([a.others], [a], 1) for a in axes]
-    clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
     # inertia that is wrong hides it on its axes
-    decided: list[_Speed] = [
-        how for answer, how in enumerate(_SPEEDS) if clear.count(answer) > 0.5 * len(votes)
-    ]
+    votes = [answer_share([np.hstack([a.others, a.damping])], [a], 1) for a in axes]
+    decided: list[_Speed] = [how for answer, how in enumerate(_SPEEDS) if _most_say(votes, answer)]
     ways: tuple[_Speed, ...] = tuple(decided) or ("difference", "sensor")
     found = []
     for how in ways:
         taken = (_reading(r, how) if i in reading.asked else r for i, r in enumerate(reading.recordings))
         found.append(replace(reading, recordings=tuple(taken), sure_of_speed=bool(decided)))
     return found
+
+
+def _may_be_late(axes: Sequence[Asked]) -> bool:
+    """Whether most axes agree with drives that are half a row late, instead of a reference that is constant.
+
+    Both move the reference by as much. A delay also looks like damping and inertia of each axis, in proportion
+    to the gains of its loop, which are then wrong numbers of the model.
+    """
+    votes = []
+    for a in axes:
+        constant, late = a.answers[:, 0], a.answers[:, 2]
+        beside = replace(a, lacking=a.lacking + constant, answers=(late - constant)[:, None])
+        votes.append(answer_share([a.others], [beside], 0))
+    return _most_say(votes, 1)
+
+
+def _most_say(votes: Sequence[tuple[float, float]], answer: int) -> bool:
+    """Whether most axes clearly agree with one answer, by their shares and standard deviations."""
+    clear = [std < _NEAR and abs(share - answer) < _NEAR for share, std in votes]
+    return sum(clear) > 0.5 * len(clear)
 
 
 def noted(reading: Reading) -> tuple[Recording, ...]:
@@ -169,6 +186,7 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[Aske
     changed = [
         law_torque(_reading(_held(recording, True), "sensor"), plant, track, middle) - first,
         law_torque(_reading(_held(recording, False), "difference"), plant, track, middle) - first,
+        -0.5 * np.gradient(first, axis=0),  # of drives that are half a row late
     ]
     shown = recording.with_signals(torque_command=first @ to_actuator)
     corner = corner_hz(shown, plant, levels)
@@ -188,9 +206,8 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[Aske
         lacking = passed(first - measured @ np.linalg.inv(to_actuator))
         answers = np.stack([passed(x) for x in changed], axis=-1)
         drive = np.stack([passed(np.gradient(first, axis=0)), passed(first)], axis=-1)
-        return [
-            Asked(lacking[rows, k], answers[rows, k], drive[rows, k, :0], drive[rows, k]) for k in range(n)
-        ]
+        none = drive[rows, 0, :0]
+        return [Asked(lacking[rows, k], answers[rows, k], none, none, drive[rows, k]) for k in range(n)]
     weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
     lacking = centred(first) - passed(required_torque(plant, track, recording.period))
     answers = np.stack([centred(x) for x in changed], axis=-1)
@@ -198,9 +215,9 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[Aske
     for k in range(n):
         q, w = track.position[:, k], track.velocity[:, k]
         size = float(np.sqrt(np.mean(w**2))) + 1e-12
-        friction = np.stack([w, np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
+        friction = np.stack([np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
         others = np.hstack([passed(friction), weights[:, k, np.any(weights[:, k], axis=0)]])
-        parts = passed(track.acceleration), others
+        parts = passed(track.acceleration), passed(w[:, None]), others
         out.append(Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
     return out
 

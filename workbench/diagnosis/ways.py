@@ -19,6 +19,7 @@ from .checks.units import refuse_unit
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
+from .moves.joint_solution import one_effect_may_suffice
 from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
@@ -139,14 +140,14 @@ def _refuse_wrong_sign(asked: Asked) -> None:
 
 
 def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way], list[SearchResult]]:
-    """Return assumptions whose joint solution leaves only noise; otherwise the simplest that explain as much.
+    """Return the assumptions that may be right, those whose joint solution leaves only noise first.
 
     Where one effect alone leaves only noise under one of them, all come with the results of that.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
-    what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say. All
-    ways are kept where none explains the recordings. It costs little beside a search in a loop that is not
-    the machine's, in which nothing helps.
+    what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say, or for
+    damping and rotors where drives are late. So a joint solution of several numbers is the answer only if no
+    other assumption needs fewer effects; of many axes this would take too long.
     """
     if len(ways) == 1:
         return ways, []
@@ -154,17 +155,18 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     found = [search(way.asked, only_jointly=True) for way in ways]
     ties = _ties(found)
     kept = [k for k in ties if _is_at_noise(found[k])]
-    if kept:
-        return [ways[k] for k in kept], []
-    # a delay, which is no torque along the motion, may suffice alone; of many axes only torques are asked
-    expensive = any(way.asked.problem.is_expensive for way in ways)
-    alone = [] if expensive else [way.searched(most=1) for way in ways]
+    if not kept and all(found[k].explained >= POLICY.explained for k in ties):
+        kept = ties
+    fewest = min((found[k].final.hypothesis.size for k in kept), default=POLICY.most_effects)
+    kept = [k for k in kept if found[k].final.hypothesis.size == fewest]
+    if fewest <= 1 or any(way.asked.problem.is_expensive for way in ways):
+        return [ways[k] for k in kept] or ways, []
+    # a delay, which is no torque along the motion, may suffice alone
+    alone = [way.searched(most=1) for way in ways if one_effect_may_suffice(way.asked.problem)]
     if any(one.consistent_after for one in alone):
         return ways, alone
-    if all(found[k].explained >= POLICY.explained for k in ties):
-        fewest = min(found[k].final.hypothesis.size for k in ties)
-        return [ways[k] for k in ties if found[k].final.hypothesis.size == fewest], []
-    return ways, []
+    others = [k for k in range(len(ways)) if k not in kept and fewest > 2]
+    return [ways[k] for k in (*kept, *others)], []
 
 
 def _is_at_noise(found: SearchResult) -> bool:
