@@ -67,18 +67,17 @@ def test_a_delay_is_found_under_the_right_assumption_about_the_loop(tmp_path: Pa
     assert not any("another assumption about the loop" in text for text in said)
 
 
-@pytest.mark.parametrize("damping", [0.8, 1.6], ids=["alone", "beside damping"])
-def test_a_delay_is_no_six_wrong_numbers(tmp_path: Path, damping: float) -> None:
+def test_a_delay_beside_damping_is_no_six_wrong_numbers(tmp_path: Path) -> None:
     """With a reference that is constant from row to row, damping and rotors of all axes explain as much."""
-    machine, model = bench_arm(tmp_path, lift_damping=damping), load_model(bench_arm(tmp_path, "model"))
+    machine, model = bench_arm(tmp_path, lift_damping=1.6), load_model(bench_arm(tmp_path, "model"))
     logs = [
         logged(
-            machine, tones, seconds=5.0, seed=3 + k, log_s=0.01, loop_s=0.002, held=False,
+            machine, tones, seconds=3.0, seed=3 + k, log_s=0.01, loop_s=0.002, held=False,
             positions_alone=True, late=2,
         )
         for k, tones in enumerate((FAST, SLOW))
     ]  # fmt: skip
     found = {str(f.key): f.parameters for f in diagnose(model, logs).findings}
-    assert found.pop("command_delay")["time"].value == pytest.approx(0.004, abs=1e-4)
-    own = {key: values["damping"].value for key, values in found.items()}
-    assert own == ({} if damping == 0.8 else {"viscous_damping@lift": pytest.approx(0.8, rel=0.02)})
+    assert found["command_delay"]["time"].value == pytest.approx(0.004, abs=1e-4)
+    assert found["viscous_damping@lift"]["damping"].value == pytest.approx(0.8, rel=0.03)
+    assert len(found) == 2
