@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 from .results import Comparison, Share
@@ -45,7 +45,8 @@ class EffectKey:
 
     def same_place(self, other: EffectKey) -> bool:
         """Return whether it is the same effect in the same place, possibly another copy of it."""
-        return replace(self, copy=other.copy) == other
+        there = self.effect, self.axis, self.location
+        return there == (other.effect, other.axis, other.location)
 
 
 @dataclass(frozen=True)

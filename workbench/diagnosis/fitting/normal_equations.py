@@ -38,7 +38,7 @@ class Normal:
     def pick(self, index: Sequence[int]) -> Normal:
         """Return the equations of only these unknowns."""
         i = np.asarray(index, int)
-        return Normal(self.gram[np.ix_(i, i)], self.right[i], self.square, self.samples)
+        return Normal(self.gram[i[:, None], i], self.right[i], self.square, self.samples)
 
     def after(self, solution: np.ndarray) -> float:
         """Return the squared residual for given values of the unknowns."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from itertools import combinations, groupby
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
 
 from ..moves.pairs import may_stand_together
@@ -77,14 +79,14 @@ def grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
             new = _next(helpful)
         if new is None:
             return now
-        chosen = with_new(now.chosen, in_best_form(new, now.chosen, regression))
-        now = selection_of(chosen, regression)
+        new = in_best_form(new, now.chosen, regression)
+        now = selection_of(with_new(now.chosen, new), regression)
         # what acts on none of its axes gains as before
         acts = frozenset().union(*map(regression.axes_of, new))
         gains = {
             p: g
             for p, g in gains.items()
-            if not any(acts & regression.axes_of(e) for e in p) and fits_in(p, chosen)
+            if not any(acts & regression.axes_of(e) for e in p) and fits_in(p, new)
         }
 
 
@@ -158,15 +160,19 @@ def _basic(new: Chosen) -> bool:
 def fits_in(new: Chosen, chosen: Chosen) -> bool:
     """Return whether none of some new effects is already present, in this or another form."""
     return all(
-        n.key != e.key and not contains(e.key, n.key) and (contains(n.key, e.key) or _apart(n, e))
+        _may_come_beside(n.key, e.key)
         for n in (m for each in new for m in each.members)
         for e in (m for each in chosen for m in each.members)
         if n.key.axis == e.key.axis or None in (n.key.axis, e.key.axis)
     )
 
 
-def _apart(one: Entry, other: Entry) -> bool:
-    return may_stand_together(one.key, other.key)
+@cache
+def _may_come_beside(new: EffectKey, there: EffectKey) -> bool:
+    """Return whether a new effect is neither one that is there nor a form of it, unless a more general one."""
+    if new == there or contains(there, new):
+        return False
+    return contains(new, there) or may_stand_together(new, there)
 
 
 def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:

@@ -153,14 +153,15 @@ class Regression:
 
     def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
         """Groups of effects that share no axis, with their axes; effects that act on no axis are dropped."""
-        groups: list[tuple[set[int], set[Entry]]] = []
-        for entry in filter(self.axes_of, chosen):
-            axes, own = set(self.axes_of(entry)), {entry}
-            for group in [g for g in groups if g[0] & axes]:
+        groups: list[tuple[frozenset[int], list[int]]] = []
+        for number, entry in enumerate(chosen):
+            axes, own = self.axes_of(entry), [number]
+            touched = [group for group in groups if not group[0].isdisjoint(axes)]
+            for group in touched:
                 groups.remove(group)
-                axes, own = axes | group[0], own | group[1]
-            groups.append((axes, own))
-        return [(sorted(axes), tuple(e for e in chosen if e in own)) for axes, own in groups]
+                axes, own = axes | group[0], group[1] + own
+            groups += [(axes, own)] if axes else []
+        return [(sorted(axes), tuple(chosen[k] for k in sorted(own))) for axes, own in groups]
 
     def _part(self, chosen: Chosen, axes: Sequence[int]) -> Solution:
         """Return the (cached) fit of effects on all of their axes."""
