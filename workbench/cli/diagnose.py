@@ -6,58 +6,43 @@ from dataclasses import replace
 from typing import Annotated
 
 import typer
+from typer import Option
 
 from workbench.core import Diagnosis
 
-from .common import (
-    ForceOption,
-    HoldoutOption,
-    HtmlOption,
-    JsonOption,
-    McapOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    RerunOption,
-    SeedOption,
-    WholeOption,
-    check_outputs,
-    files_of,
-    open_pair,
-)
+from . import options
+from .common import check_outputs, files_of, open_pair
 from .data_problems import data_problems
 from .deliver import deliver, deliver_sheet
 from .progress import progress, staged
 
 
 def diagnose(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
-    holdout: HoldoutOption = None,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    mcap: McapOption = None,
-    rerun: RerunOption = None,
+    model: options.Model,
+    recordings: options.Recordings,
+    holdout: options.Holdout = None,
+    json: options.Json = None,
+    html: options.Html = None,
+    mcap: options.Mcap = None,
+    rerun: options.Rerun = None,
     shape: Annotated[
         str | None,
-        typer.Option(
-            "--shape",
+        Option(
             metavar="FILE",
             help="Picture (.png, .svg) of the torque that no effect explains: a description, not a cause.",
         ),
     ] = None,
     trace: Annotated[
         str | None,
-        typer.Option(
-            "--trace",
+        Option(
             metavar="FILE",
             help="Page of everything that was tried, the error that remained, and why it was rejected.",
         ),
     ] = None,
-    whole: WholeOption = False,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    whole: options.Whole = False,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Name the missing physical effect, how certain it is, what else it could be, and what to measure next.
 
