@@ -29,7 +29,7 @@ LEG = {"f_min_hz": 0.2, "f_max_hz": 60.0, "period_s": 5.0, "rate_hz": 1000.0}
 def test_lines_of_each_grid() -> None:
     assert select_lines(0.2, 2.0, 5.0).tolist() == list(range(1, 11))
     assert select_lines(0.2, 2.0, 5.0, grid="odd").tolist() == [1, 3, 5, 7, 9]
-    some = select_lines(0.2, 60.0, 5.0, grid="odd_random", group=4, seed=3)
+    some = select_lines(0.2, 60.0, 5.0, grid="odd_random", seed=3)
     assert (some % 2 == 1).all()
     silent = np.setdiff1d(np.arange(1, 301, 2), some)
     # one of every four odd lines is silent, at irregular places

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -12,10 +12,6 @@ from workbench.core import InputError
 
 from .pooling import pooled_covariance
 from .statistics import distance, entry_radius, real_halfwidth
-
-if TYPE_CHECKING:
-    from control import FrequencyResponseData
-
 
 _BY_LINE = (
     "frequency",
@@ -134,21 +130,10 @@ class Frf:
         return entry_radius(self.std**2, self.dof[:, None, None], level)
 
     def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lower and upper end for the magnitude, each (F, ny, nu)."""
+        """Return the lower and upper end for the magnitude at this probability, each (F, ny, nu)."""
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
-
-    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lower and upper end for the phase [rad], each (F, ny, nu); a full turn where nothing is
-        known.
-        """
-        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
-        size = np.abs(self.response)
-        known = half < size
-        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
-        phase = np.angle(self.response)
-        return phase - turn, phase + turn
 
     def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return how far a model's response (F, ny, nu) is from this one, all entries of a line together.
@@ -254,19 +239,6 @@ class Frf:
             dof=dof,
             noise_dof=noise_dof,
             notes=(*self.notes, note),
-        )
-
-    def to_control(self) -> FrequencyResponseData:
-        """Return the response for python-control: ``frdata[output, input, frequency]``, frequencies in
-        rad/s.
-        """
-        from control import FrequencyResponseData
-
-        return FrequencyResponseData(
-            np.moveaxis(self.response, 0, -1),
-            self.omega,
-            inputs=[str(c) for c in self.inputs],
-            outputs=[str(c) for c in self.outputs],
         )
 
 

@@ -77,10 +77,10 @@ class Wanted:
     size: float
 
 
-def carry(wanted: Wanted, seed: int = 3) -> Carried:
+def carry(wanted: Wanted) -> Carried:
     """Return the bodies, rotors and springs that come nearest to the wanted inertia and weight."""
     w, f = wanted, wanted.frames
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng(3)
     n, links = w.mass.shape[1], range(1, len(f.bodies))
     bodies = np.repeat(links, _POINTS)
     points = w.size * generator.standard_normal((len(bodies), f.ways))
