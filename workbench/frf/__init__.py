@@ -18,28 +18,8 @@ from .resonances import Resonance, find_resonances
 from .response import Channel, Frf
 
 __all__ = [
-    "Channel",
-    "Design",
-    "Distortion",
-    "Frf",
-    "Limit",
-    "Resonance",
-    "Scaled",
-    "chirp",
-    "crest_factor",
-    "detection_lines",
-    "distortion",
-    "estimate",
-    "estimate_postures",
-    "find_period",
-    "find_resonances",
-    "group_by_posture",
-    "lines_of",
-    "load_design",
-    "local_polynomial",
-    "mixing_matrix",
-    "multisine",
-    "save_design",
-    "scale_to_limits",
-    "select_lines",
-]
+    "Channel", "Design", "Distortion", "Frf", "Limit", "Resonance", "Scaled", "chirp", "crest_factor",
+    "detection_lines", "distortion", "estimate", "estimate_postures", "find_period", "find_resonances",
+    "group_by_posture", "lines_of", "load_design", "local_polynomial", "mixing_matrix", "multisine",
+    "save_design", "scale_to_limits", "select_lines",
+]  # fmt: skip
