@@ -36,9 +36,7 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
 
 
 def without_models(paths: Sequence[str]) -> list[str]:
-    """Return files without the models among them (as ``*.toml`` finds them); a note on standard error
-    names these.
-    """
+    """Return files without models (as ``*.toml`` finds them); a note on standard error names these."""
     from workbench.recordings import is_model_file
 
     models = [p for p in paths if is_model_file(Path(p))]

@@ -195,9 +195,7 @@ def _limited(
 
 
 def damping(limits: Limits, q: np.ndarray, off: bool = False) -> Setpoints:
-    """Return setpoints without torque and stiffness: damping at positions q (n,) [rad], or nothing if
-    `off`.
-    """
+    """Return setpoints of damping alone at positions q (n,) [rad], or of nothing if `off`."""
     zero = np.zeros_like(q)
     kd = zero if off else np.minimum(limits.damping, limits.kd)
     return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)

@@ -100,8 +100,7 @@ def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -
 
 
 def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
-    """Return experiments grouped into complete sets that separate the inputs, one set per realisation of the
-    phases.
+    """Return experiments in complete sets that separate the inputs, one set per realisation of phases.
 
     Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
     that does not say it (one axis driven at a time) they are taken in the order given. Sets that play the
@@ -138,9 +137,7 @@ def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
 
 
 def _alike(drive: np.ndarray) -> np.ndarray:
-    """Return how well the spectra (E, F, n) of two experiments agree up to a factor, by axis, (E, E, n); 0 to
-    1.
-    """
+    """Return how well spectra (E, F, n) of two experiments agree up to a factor, (E, E, n); 0 to 1."""
     size = np.linalg.norm(drive, axis=1)
     product = np.abs(np.einsum("efi,gfi->egi", drive.conj(), drive))
     both = size[:, None] * size[None]
@@ -175,9 +172,7 @@ def _in_band(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
 
 
 def _on_grid(lines: np.ndarray, size: np.ndarray, stated: str | None) -> np.ndarray:
-    """Return which lines (F,), with these amplitudes (F,), lie on the grid that the recording states, (F,)
-    bool.
-    """
+    """Return which lines (F,) with these amplitudes (F,) are on the recording's grid, (F,) bool."""
     if stated in ("odd", "odd_random"):
         return lines % 2 == 1
     if stated is None or not stated.startswith("every_"):

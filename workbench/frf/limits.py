@@ -21,9 +21,7 @@ _MARGIN = 0.05  # share of the room that is kept free
 
 @dataclass(frozen=True)
 class Limit:
-    """The range of one signal: `quantity` (position, speed, torque), `name` of its axis or joint, lowest and
-    highest.
-    """
+    """The range of a signal: `quantity` (position, speed, torque), `name` of axis or joint, low, high."""
 
     quantity: str
     name: str

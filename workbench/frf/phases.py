@@ -87,8 +87,7 @@ def synthesise(lines: np.ndarray, spectrum: np.ndarray, rows: int) -> np.ndarray
 
 
 def crest_factor(signal: np.ndarray) -> np.ndarray:
-    """Return the largest magnitude over the root mean square, along the last axis; 0 for a signal that is
-    zero.
+    """Return the largest magnitude over the root mean square, along the last axis; 0 for a zero signal.
 
     A sine has 1.41, a Schroeder multisine with all lines about 1.7, one with random phases about 3 to 4.
     """

@@ -15,8 +15,7 @@ _NEAR = 0.05  # of one posture, on every axis, from the first of its recordings 
 
 
 def group_by_posture(recordings: Sequence[Recording]) -> list[list[Recording]]:
-    """Return groups of recordings whose mean measured positions agree, in the order in which the postures
-    first appear.
+    """Return groups of recordings whose mean positions agree, in order of the postures' first appearance.
 
     Args:
         recordings: with the same axes.

@@ -124,9 +124,7 @@ class Frf:
         return len(self.outputs) if self.estimated == "outputs" else len(self.outputs) * len(self.inputs)
 
     def radius(self, level: float = 0.95) -> np.ndarray:
-        """Return the radius of the disc about each entry that contains the true one with probability `level`,
-        (F, ny, nu).
-        """
+        """Return the radius about each entry that holds the true one with this probability, (F, ny, nu)."""
         return entry_radius(self.std**2, self.dof[:, None, None], level)
 
     def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
@@ -210,8 +208,7 @@ class Frf:
         )
 
     def smoothed(self, lines: int) -> Frf:
-        """Return the response with covariances averaged over `lines` lines to each side and the residuals of
-        all of them.
+        """Return the response with covariances averaged over `lines` lines to each side, residuals pooled.
 
         Few periods or realisations leave a scattered (or singular) covariance. What is averaged is the
         covariance of the outputs, whose spectrum varies slowly with frequency, and each line's own inputs

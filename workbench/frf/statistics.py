@@ -53,8 +53,7 @@ def distance(
 
 
 def expected_distance(m: int, dof: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and variance of `distance`'s T for a true model, each like `dof`; infinite for too few
-    residuals.
+    """Return mean and variance of `distance`'s T for a true model, each like `dof`; infinite for too few.
 
     The mean of an inverted complex Wishart matrix is its true inverse times dof / (dof - size).
     """

@@ -99,8 +99,7 @@ class ClosedChain:
         return slope
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
-        """Return the equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or
-        m/s].
+        """Return the equation of motion at drives `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or m/s].
 
         Raises:
             SimulationError: the loops cannot be closed, or are at a dead point (links of a loop in line).
@@ -164,8 +163,7 @@ class ClosedChain:
         return self._serial.gamma(inverse)[self._driven.independent]
 
     def serial_dynamics(self, joints: np.ndarray, speeds: np.ndarray) -> Reduced:
-        """Return the equation of motion in serial coordinates, torque J^T tau_p: positions and speeds
-        (n,).
+        """Return the equation of motion in serial coordinates, torque J^T tau_p: position and speed (n,).
 
         Raises:
             SimulationError: the loops cannot be closed there, or are at a dead point.

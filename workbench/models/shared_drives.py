@@ -13,8 +13,7 @@ from workbench.core import InputError
 def shared_drives(
     spec: mujoco.MjSpec, joints: list[str], file: Path
 ) -> tuple[tuple[str, ...], np.ndarray] | None:
-    """Return the drives of an MJCF in which an actuator moves several joints by a fixed tendon; None
-    without one.
+    """Return drives of an MJCF whose actuators move several joints by a fixed tendon; None without one.
 
     Taken as one drive per joint, it would be another machine, of which every result is wrong.
 

@@ -13,8 +13,7 @@ from .proposal import Question
 
 
 def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:
-    """Return axis names, and signal -> one column per axis; signals that lack a joint are left out,
-    with a note.
+    """Return axis names, and signal -> a column per axis; signals that lack a joint are noted, left out.
 
     Raises:
         InputError: there is no position, or another number of axes than was stated.

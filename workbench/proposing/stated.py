@@ -46,8 +46,7 @@ def header_unit(draft: Draft, column: str, kind: str) -> str:
 
 
 def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str]) -> Stated:
-    """Return units by the user's answers, else by the header of each axis, else by headers of similar
-    axes.
+    """Return units by the user's answers, else each axis's header, else headers of similar axes.
 
     Raises:
         InputError: another number of units than axes, or one unit for axes of which it can be no unit.

@@ -1,6 +1,4 @@
-"""The page of ``workbench check``: every quantity, the inertia of the variants, stability of explicit
-injection.
-"""
+"""The page of ``workbench check``: quantities, inertia of variants, stability of explicit injection."""
 
 from __future__ import annotations
 

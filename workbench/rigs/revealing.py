@@ -1,5 +1,4 @@
-"""Experiments for effects that the six of the demo do not show: presliding, limits, heat, cogging, gravity
-over the range.
+"""Experiments for what the demo's six do not show: presliding, limits, heat, cogging, wide gravity.
 
 They too start at rest in the hold posture and keep the joints off their stops.
 """
@@ -53,8 +52,7 @@ def range_sweep() -> Experiment:
 
 
 def dither(duration: float = 12.0) -> Experiment:
-    """Both joints oscillate at about 1 Hz with an amplitude that grows from 0.001 to 0.06 rad by a constant
-    factor a second.
+    """Both joints oscillate at about 1 Hz, their amplitude growing steadily from 0.001 to 0.06 rad.
 
     Small motion stays in presliding, in a gap, in a spring; where it breaks away shows the friction's level.
     """

@@ -113,9 +113,7 @@ def carry(wanted: Wanted) -> Carried:
 
 
 def _columns(w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int]) -> np.ndarray:
-    """Return the change (K, R) that one unit of each choice makes: in inertia, weight, total mass, and its
-    penalty.
-    """
+    """Return what one unit of each choice changes (K, R): inertia, weight, total mass, its penalty."""
     white = np.linalg.inv(np.linalg.cholesky(w.whole))
     share = 1.0 / np.sqrt(len(w.mass))
     turned = share * (white @ inertia @ white.transpose(0, 2, 1)).reshape(len(inertia), -1)

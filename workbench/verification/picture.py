@@ -20,9 +20,7 @@ _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 
 def frf_figure(comparison: FrfComparison) -> Figure:
-    """Response and models at one posture: a column for each entry; rows: magnitude with its 95 % band, phase,
-    relative error.
-    """
+    """Response and models at one posture, a column per entry: magnitude with 95 % band, phase, error."""
     from workbench.core.picture import Picture  # slow to import, and only pictures need it
 
     frf = comparison.frf

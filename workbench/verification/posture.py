@@ -29,8 +29,7 @@ Facts = dict[str, tuple[float, str, str]]
 
 
 def posture_checks(subject: Subject, seed: int) -> list[Check]:
-    """Return every term in our engine and in Drake; then the scheduled tree's motion and frequency
-    responses.
+    """Return every term in our engine and in Drake; then the scheduled tree's motion and responses.
 
     Raises:
         InputError: our engine cannot read the mechanism's file, or it has no limits.

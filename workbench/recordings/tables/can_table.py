@@ -62,8 +62,7 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def sent_signals(path: Path) -> dict[str, str]:
-    """Return signals of the DBC that occur at least twice in a log: column name -> unit (empty if none is
-    stated).
+    """Return signals of the DBC that occur at least twice in a log: column -> unit (empty if unstated).
 
     Raises:
         InputError: no DBC, or a log that cannot be read.
