@@ -51,10 +51,9 @@ def refuse_model(path: Path) -> None:
 
     if is_mjcf(path) and not any(equality.active for equality in load_with_loops(path).equalities):
         raise InputError(
-            "it is an MJCF, which is a model already",
-            file=path,
+            "it is an MJCF, which is a model already", file=path,
             remedy=f"use it as it is: workbench import LOG --model {path}, workbench compare {path} RUN.toml",
-        )
+        )  # fmt: skip
 
 
 def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> None:

@@ -144,10 +144,9 @@ def train(
         echo(f"{file.name}: {summary(known)}.")
     if against and not unverified:
         raise InputError(
-            "; ".join(against),
-            file=file,
+            "; ".join(against), file=file,
             remedy="make it with `workbench approve`, or train with --unverified",
-        )
+        )  # fmt: skip
     machine = posed(wanted, make_machine(wanted.machine, loaded, variant, law=TRAINING if stiff else None))
     if wanted.suffix == ".py":
         try_task(wanted, machine, Path(task))

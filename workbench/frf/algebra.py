@@ -30,10 +30,9 @@ def solve_inputs(
     if bad.any():
         where = frequency[int(np.argmax(bad))]
         raise InputError(
-            f"at {where:.6g} Hz the inputs of the experiments are not independent",
-            file=recording.source,
+            f"at {where:.6g} Hz the inputs of the experiments are not independent", file=recording.source,
             remedy="excite every axis, in experiments that mix them differently (sum and difference)",
-        )
+        )  # fmt: skip
     return back @ np.linalg.inv(cross)
 
 

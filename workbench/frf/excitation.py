@@ -87,9 +87,8 @@ class Design:
             highest = self.lines[-1] * self.rate_hz / rows
             raise InputError(
                 f"the line at {highest:g} Hz is not below half the rate of {self.rate_hz:g} Hz",
-                column="f_max_hz",
-                remedy="lower the band or raise the rate",
-            )
+                column="f_max_hz", remedy="lower the band or raise the rate",
+            )  # fmt: skip
 
     @property
     def period_s(self) -> float:

@@ -43,11 +43,10 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
         wanted = np.unique(np.asarray(named if lines is None else lines, int))
         if len(wanted) == 0 or wanted[0] < 1 or wanted[-1] > highest:
             raise InputError(
-                f"lines must lie between 1 and {highest}, half the rate",
-                file=recording.source,
+                f"lines must lie between 1 and {highest}, half the rate", file=recording.source,
                 column="excitation.lines" if lines is None else "lines",
                 remedy="give harmonics of the period, below half of its rows",
-            )
+            )  # fmt: skip
         return wanted
     every = np.arange(1, highest + 1)
     signal = choice.reference or _commanded(recording, choice)
@@ -67,11 +66,10 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     if not grid.any():
         where = f" on the lines that it states ({stated})" if len(found) else ""
         raise InputError(
-            f"no line of {signal} stands out in {recording.name}{where}",
-            file=recording.source,
+            f"no line of {signal} stands out in {recording.name}{where}", file=recording.source,
             column="excitation.lines" if where else "excitation",
             remedy="check its period and band, or name the lines (lines = [3, 7, 11])",
-        )
+        )  # fmt: skip
     return found[grid]
 
 

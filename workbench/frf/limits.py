@@ -96,9 +96,8 @@ def scale_to_limits(design: Design, simulate: Predict, limits: Sequence[Limit]) 
         return inside
     raise InputError(
         f"the limit on {worst} is passed even when the excitation is {factor:.2g} of its size",
-        column=worst.name,
-        remedy="choose another posture or a wider limit",
-    )
+        column=worst.name, remedy="choose another posture or a wider limit",
+    )  # fmt: skip
 
 
 def _try(design: Design, factor: float, simulate: Predict, limits: Sequence[Limit]) -> Scaled:

@@ -62,9 +62,8 @@ def select_lines(
     if len(lines) == 0:
         raise InputError(
             f"no {grid} line between {f_min_hz:g} and {f_max_hz:g} Hz in a period of {period_s:g} s",
-            column="period_s",
-            remedy="lengthen the period or widen the band",
-        )
+            column="period_s", remedy="lengthen the period or widen the band",
+        )  # fmt: skip
     return lines
 
 

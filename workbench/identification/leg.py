@@ -87,10 +87,9 @@ def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:
         return frf
     if transmission is None:
         raise InputError(
-            "the response is in joint coordinates",
-            column="coordinates",
+            "the response is in joint coordinates", column="coordinates",
             remedy="give the transmission, q_p = J q_s",
-        )
+        )  # fmt: skip
     j = np.asarray(transmission, float)
     named = [
         tuple(replace(c, axis=f"actuator_{k + 1}") for k, c in enumerate(channels))

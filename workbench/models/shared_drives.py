@@ -43,10 +43,9 @@ def shared_drives(
     moves = f"joints {' and '.join(first)} together" if first else "what its tendon passes along sites"
     raise InputError(
         f"actuator '{m.actuator(shared[0]).name}' moves {moves}, and it is not one drive for each joint",
-        file=file,
-        column="actuator",
+        file=file, column="actuator",
         remedy="state [transmission] in a model file (docs/models.md): joints, and one matrix row per drive",
-    )
+    )  # fmt: skip
 
 
 def _row(m: mujoco.MjModel, actuator: int) -> dict[str, float]:

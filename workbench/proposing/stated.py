@@ -110,10 +110,9 @@ def _said(draft: Draft, kind: str, n: int) -> list[str]:
         turning, line = EXAMPLES[kind]
         example = ",".join([turning] * (n - 1) + [line])
         raise InputError(
-            f"{len(units)} units of {kind} for {n} axes",
-            file=draft.table.file,
+            f"{len(units)} units of {kind} for {n} axes", file=draft.table.file,
             remedy=f"give one, or one per axis: --unit {kind}={example}",
-        )
+        )  # fmt: skip
     return units
 
 
@@ -138,10 +137,9 @@ def _check_one(draft: Draft, kind: str, unit: str, axes: Sequence[str], linear: 
     right = [unit if line == is_linear(unit, kind) else EXAMPLES[kind][line] for line in linear]
     moves = "turns" if is_linear(unit, kind) else "moves along a line"
     raise InputError(
-        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}",
-        file=draft.table.file,
+        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}", file=draft.table.file,
         remedy=f"give one per axis: --unit {kind}={','.join(right)}",
-    )
+    )  # fmt: skip
 
 
 def _header(draft: Draft, columns: dict[str, list[str]], kind: str, i: int) -> str:

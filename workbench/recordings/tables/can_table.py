@@ -44,11 +44,9 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     for column, (stamps, _) in series.items():
         if len(stamps) < 2:
             raise InputError(
-                f"has {len(stamps)} frames in the log",
-                file=path,
-                column=column,
+                f"has {len(stamps)} frames in the log", file=path, column=column,
                 remedy="check that it was sent",
-            )
+            )  # fmt: skip
     if not wanted:
         raise InputError(
             "no signal is asked for", file=path, remedy="name signals of the DBC under [columns]"
