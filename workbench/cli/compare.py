@@ -11,9 +11,9 @@ from typer import Option
 from workbench.core import InputError, SimulationError
 
 from . import options
-from .common import check_outputs, echo, files_of, open_sources
+from .common import echo, files_of, open_sources
 from .compare_gait import compare_gait
-from .deliver import deliver
+from .deliver import Outputs, deliver
 from .progress import progress
 
 
@@ -77,7 +77,8 @@ def compare(
     from workbench.diagnosis import doubts
     from workbench.effects import load_model
 
-    check_outputs(json, html, mcap, rerun, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check()
     loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
@@ -89,16 +90,6 @@ def compare(
             raise
         if not result.consistent:
             result = replace(result, notes=(*doubts(loaded, data), *result.notes))
-    deliver(
-        result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
-        files=files_of(loaded, data),
-        seeds={"noise": seed},
-    )
+    deliver(result, to, files=files_of(loaded, data), seeds={"noise": seed})
     if fail_above is not None and not result.error <= fail_above:
         raise typer.Exit(1)

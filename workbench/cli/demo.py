@@ -11,7 +11,7 @@ from typer import Argument, Option
 
 from . import complete, options
 from .common import check_outputs, files_of
-from .deliver import deliver
+from .deliver import Outputs, deliver
 from .hidden import HideOption, SetOption
 from .progress import progress, staged
 
@@ -103,16 +103,8 @@ def demo(
     if result.steps:
         write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
     page = str(folder / "report.html")
-    deliver(
-        result,
-        json=json,
-        html=page,
-        force=force,
-        quiet=quiet,
-        files=files_of(model, [*training, *judging]),
-        seeds={"demo": seed},
-        truth=truth,
-    )
+    files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
+    deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
     draw_figures(result, folder, force=force)
     made = "recordings, figures and improved.toml lie" if result.steps else "recordings and figures lie"
     say(f"\nLook at {page}; {made} beside it.")

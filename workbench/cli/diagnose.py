@@ -11,9 +11,9 @@ from typer import Option
 from workbench.core import Diagnosis
 
 from . import options
-from .common import check_outputs, files_of, open_pair
+from .common import files_of, open_pair
 from .data_problems import data_problems
-from .deliver import deliver, deliver_sheet
+from .deliver import Outputs, deliver, deliver_sheet
 from .progress import progress, staged
 
 
@@ -52,7 +52,8 @@ def diagnose(
     from workbench.effects import load_model
     from workbench.report import trace_sheet
 
-    check_outputs(json, html, mcap, rerun, shape, trace, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check(shape, trace)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
@@ -61,27 +62,17 @@ def diagnose(
     problems = () if result.verdict == "consistent" else data_problems(loaded, used)
     result = replace(result, used=data.share, notes=(*problems, *result.notes, *data.notes))
     files, seeds = files_of(loaded, used), {"noise": seed}
-    deliver(
-        result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
-        files=files,
-        seeds=seeds,
-    )
+    deliver(result, to, files=files, seeds=seeds)
     if trace is not None:
         deliver_sheet(trace_sheet(result), trace, files=files, seeds=seeds, force=force)
     if shape is not None:
-        _draw(result, shape, force, quiet or json == "-")
+        _draw(result, shape, to)
 
 
-def _draw(result: Diagnosis, path: str, force: bool, quiet: bool) -> None:
+def _draw(result: Diagnosis, path: str, to: Outputs) -> None:
     from workbench.report import save_figure, shape_figure
 
     if result.shapes:
-        save_figure(shape_figure(result), path, force=force)
-    elif not quiet:
+        save_figure(shape_figure(result), path, force=to.force)
+    elif to.printed:
         typer.echo("No shape was drawn: the unexplained torque has no smooth part.")

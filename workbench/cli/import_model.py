@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -168,17 +168,11 @@ def import_mechanism(
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
-    lost = {name: value for name, value in contents.damping.items() if value and name not in names}
-    if lost:
-        said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
-        echo(
-            f"Not imported: springs, dry friction, and the damping of joints without a drive: {said} N m "
-            "s/rad."
-        )
-    rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
-    if rotors:
-        said = ", ".join(f"{name} {value:.3g}" for name, value in rotors.items())
-        echo(f"Not imported: the armature of joints without a drive: {said} kg m².")
+    if lost := _without(names, contents.damping):
+        what = "springs, dry friction, and the damping of joints without a drive"
+        echo(f"Not imported: {what}: {lost} N m s/rad.")
+    if lost := _without(names, contents.armature):
+        echo(f"Not imported: the armature of joints without a drive: {lost} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
@@ -189,6 +183,11 @@ def import_mechanism(
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
+
+
+def _without(driven: Sequence[str], values: Mapping[str, float]) -> str:
+    """Joints that no motor drives, each with its value; empty where none has one."""
+    return ", ".join(f"{name} {value:.3g}" for name, value in values.items() if value and name not in driven)
 
 
 def _loop(asked: MechanismOptions, count: int) -> Controller:

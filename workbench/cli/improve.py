@@ -10,9 +10,9 @@ from typer import Option
 from workbench.core import Improvement, WorkbenchError
 
 from . import options
-from .common import check_model_output, check_outputs, echo, files_of, open_pair
+from .common import check_model_output, echo, files_of, open_pair
 from .data_problems import data_problems
-from .deliver import deliver
+from .deliver import Outputs, deliver
 from .into import Into, IntoOption, check_into
 from .progress import progress, staged
 
@@ -47,7 +47,8 @@ def improve(
 
     if into is None:
         check_model_output(output, force=force)
-    check_outputs(json, html, mcap, rerun, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check()
     loaded = load_model(model)
     if into is not None:
         check_into(loaded, into, output, force=force)
@@ -72,19 +73,14 @@ def improve(
     result = replace(result, used=data.share, notes=tuple(notes))
     deliver(
         result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
+        to,
         files=files_of(loaded, [*data.training, *data.held_out]),
         seeds={"noise": seed},
         more=written.as_dict if written else None,
     )
     if refused is not None:
         raise refused
-    if not quiet and json != "-":
+    if to.printed:
         echo(_told(result, written, output))
 
 

@@ -1,5 +1,6 @@
 """Frequency responses: excitation, and estimation with uncertainty."""
 
+from .channel import Channel
 from .chirp import chirp
 from .design_file import load_design, save_design
 from .distortion import Distortion, distortion
@@ -15,7 +16,7 @@ from .period import find_period
 from .phases import crest_factor
 from .postures import estimate_postures, group_by_posture
 from .resonances import Resonance, find_resonances
-from .response import Channel, Frf
+from .response import Frf
 
 __all__ = [
     "Channel", "Design", "Distortion", "Frf", "Limit", "Resonance", "Scaled", "chirp", "crest_factor",

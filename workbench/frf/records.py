@@ -10,8 +10,8 @@ import numpy as np
 from workbench.core import AXIS_SIGNALS, InputError, Recording
 from workbench.recordings.resample import looks_held
 
+from .channel import Channel
 from .period import find_period
-from .response import Channel
 
 _UNITS = {
     "rad": {"position": "rad", "velocity": "rad/s", "torque": "N m"},

@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .channel import Channel, place_of
 from .pooling import pooled_covariance
 from .statistics import distance, entry_radius, real_halfwidth
 
@@ -24,18 +25,6 @@ _BY_LINE = (
     "leverage",
     "coherence",
 )
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One input or output: `signal` of a recording, its `axis`, and the SI `unit`."""
-
-    signal: str
-    axis: str
-    unit: str
-
-    def __str__(self) -> str:
-        return f"{self.signal}_{self.axis}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +138,8 @@ class Frf:
         Raises:
             InputError: a name that is not there, or stands for several.
         """
-        rows = [_place(o, self.outputs) for o in outputs]
-        columns = [_place(i, self.inputs) for i in inputs]
+        rows = [place_of(o, self.outputs) for o in outputs]
+        columns = [place_of(i, self.inputs) for i in inputs]
         entries = np.add.outer(np.array(rows) * len(self.inputs), np.array(columns)).ravel()
         block = np.ix_(np.arange(len(self)), entries, entries)
         return replace(
@@ -241,17 +230,6 @@ class Frf:
 
 def _std(covariance: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return np.sqrt(np.einsum("fii->fi", covariance).real).reshape(shape)
-
-
-def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:
-    if isinstance(wanted, int):
-        return wanted
-    found = [k for k, c in enumerate(channels) if wanted in (c.axis, str(c))]
-    if len(found) != 1:
-        known = ", ".join(str(c) for c in channels)
-        what = "is not a signal of this response" if not found else "stands for several signals"
-        raise InputError(f"'{wanted}' {what}", remedy=f"choose from {known}")
-    return found[0]
 
 
 def _across(one: np.ndarray, factors: np.ndarray) -> np.ndarray:
