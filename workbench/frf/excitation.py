@@ -107,16 +107,6 @@ class Design:
         return np.fft.rfft(self.experiments, axis=1)[:, self.lines] * (2 / rows)
 
     @property
-    def amplitudes(self) -> np.ndarray:
-        """Amplitude of every line, shape (E, F, n)."""
-        return np.abs(self.spectrum)
-
-    @property
-    def phases(self) -> np.ndarray:
-        """Phase of every line's cosine [rad], shape (E, F, n)."""
-        return np.angle(self.spectrum)
-
-    @property
     def crest_factors(self) -> np.ndarray:
         """Crest factor of every experiment and axis, shape (E, n)."""
         return crest_factor(np.swapaxes(self.experiments, 1, 2))

@@ -8,11 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from workbench.core import InputError
-
 from .channel import Channel, place_of
 from .pooling import pooled_covariance
-from .statistics import distance, entry_radius, real_halfwidth
+from .statistics import real_halfwidth
 
 _BY_LINE = (
     "frequency",
@@ -100,37 +98,18 @@ class Frf:
     @property
     def std(self) -> np.ndarray:
         """Return the standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
-        return _std(self.covariance, self.response.shape)
-
-    @property
-    def noise_std(self) -> np.ndarray:
-        """Return the same for noise alone, (F, ny, nu)."""
-        return _std(self.noise_covariance, self.response.shape)
+        return np.sqrt(np.einsum("fii->fi", self.covariance).real).reshape(self.response.shape)
 
     @property
     def wishart_size(self) -> int:
         """Return the number of rows of the matrix that the residuals estimated."""
         return len(self.outputs) if self.estimated == "outputs" else len(self.outputs) * len(self.inputs)
 
-    def radius(self, level: float = 0.95) -> np.ndarray:
-        """Return the radius about each entry that holds the true one with this probability, (F, ny, nu)."""
-        return entry_radius(self.std**2, self.dof[:, None, None], level)
-
     def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
         """Return the lower and upper end for the magnitude at this probability, each (F, ny, nu)."""
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
-
-    def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far a model's response (F, ny, nu) is from this one, all entries of a line together.
-
-        Returns:
-            ``(T, p)``, each (F,): squared distance in deviations, and the chance of a larger one if the
-            model were true (NaN where too few residuals are behind the covariance).
-        """
-        d = (self.response - model).reshape(len(self), -1)
-        return distance(d, self.covariance, self.dof, self.wishart_size)
 
     def select(self, outputs: Sequence[str | int], inputs: Sequence[str | int]) -> Frf:
         """Return some outputs and inputs, by number or by axis name.
@@ -152,20 +131,6 @@ class Frf:
             outputs=tuple(self.outputs[r] for r in rows),
             inputs=tuple(self.inputs[c] for c in columns),
         )
-
-    def within(self, f_min_hz: float = 0.0, f_max_hz: float = np.inf) -> Frf:
-        """Return the lines of a band [Hz], both ends included.
-
-        Raises:
-            InputError: the band holds no line.
-        """
-        keep = (self.frequency >= f_min_hz) & (self.frequency <= f_max_hz)
-        if not keep.any():
-            problem = f"no line of the response lies between {f_min_hz:g} and {f_max_hz:g} Hz"
-            raise InputError(
-                problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
-            )
-        return self.kept(keep)
 
     def kept(self, lines: np.ndarray) -> Frf:
         """Return some of the lines, by number or (F,) bool."""
@@ -226,10 +191,6 @@ class Frf:
             noise_dof=noise_dof,
             notes=(*self.notes, note),
         )
-
-
-def _std(covariance: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    return np.sqrt(np.einsum("fii->fi", covariance).real).reshape(shape)
 
 
 def _across(one: np.ndarray, factors: np.ndarray) -> np.ndarray:

@@ -108,16 +108,7 @@ DRAWN_EFFECTS = tuple(sorted({effect for effect, _, _ in SMALLEST}))
 
 #: What the demo hides: effects that its diagnosis knows and its six experiments show.
 DEMO_EFFECTS = (
-    "asymmetric_friction",
-    "command_delay",
-    "coulomb_friction",
-    "linkage_gravity",
-    "linkage_inertia",
-    "parallel_spring",
-    "payload_mass",
-    "reflected_inertia",
-    "stribeck_friction",
-    "torque_bias",
-    "torque_constant_error",
-    "viscous_damping",
-)
+    "asymmetric_friction", "command_delay", "coulomb_friction", "linkage_gravity", "linkage_inertia",
+    "parallel_spring", "payload_mass", "reflected_inertia", "stribeck_friction", "torque_bias",
+    "torque_constant_error", "viscous_damping",
+)  # fmt: skip
