@@ -71,12 +71,7 @@ def deliver(
 
 
 def deliver_sheet(
-    sheet: Sheet,
-    html: str,
-    *,
-    files: Sequence[Path],
-    seeds: Mapping[str, int] | None = None,
-    force: bool,
+    sheet: Sheet, html: str, *, files: Sequence[Path], seeds: Mapping[str, int] | None = None, force: bool
 ) -> None:
     """Write a page made of parts."""
     from workbench import report

@@ -35,8 +35,7 @@ _Base = Annotated[
 ]
 _Output = Annotated[str, Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[
-    str | None,
-    Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."),
+    str | None, Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf).")
 ]
 
 

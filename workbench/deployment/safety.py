@@ -117,10 +117,7 @@ def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
 
 def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
     """What is wrong with what is seen, and of which axes."""
-    for whole, said in (
-        (seen.stop, "emergency stop"),
-        (not seen.bus_ok, "bus off or queue full"),
-    ):
+    for whole, said in ((seen.stop, "emergency stop"), (not seen.bus_ok, "bus off or queue full")):
         if whole:
             return said, ()
     moving = state.phase in ("soft_start", "run")

@@ -17,9 +17,7 @@ from .residuals import SIGNALS, has
 Signals = Mapping[str, np.ndarray]
 
 
-def series_of(
-    result: Result,
-) -> Iterator[tuple[str, str, Recording, Signals]]:
+def series_of(result: Result) -> Iterator[tuple[str, str, Recording, Signals]]:
     """Return a recording's name, kinds of its signals, recordings with times and rows, and the signals.
 
     What they are: ``measured``, ``simulated`` and ``residual`` (measured minus simulated), and where effects

@@ -40,11 +40,7 @@ class FittedTree(NormalisedTree):
 
 
 def fit_native(
-    model: Model,
-    *,
-    allow: float | None = ALLOWED,
-    branches: int = 8,
-    chain: PostureDependent | None = None,
+    model: Model, *, allow: float | None = ALLOWED, branches: int = 8, chain: PostureDependent | None = None
 ) -> FittedTree:
     """Return a model's serial tree fitted to its closed chain; takes some seconds.
 
