@@ -125,13 +125,12 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    loop = _loop(asked, count)
     made = import_model(
         mechanism,
         drives,
         output,
         axes=axes,
-        controller=loop,
+        controller=_loop(asked, count),
         hold_rest=asked.hold_rest,
         kept=tuple(own),
         tell=narrowed.append,
@@ -175,11 +174,8 @@ def import_mechanism(
         echo(f"Not imported: the armature of joints without a drive: {lost} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
-        echo(
-            "The mechanism is a parallelogram; its linkage adds to the serial tree: "
-            + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
-            + "."
-        )
+        said = ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
+        echo(f"The mechanism is a parallelogram; its linkage adds to the serial tree: {said}.")
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
@@ -207,9 +203,8 @@ def _loop(asked: MechanismOptions, count: int) -> Controller:
         raise InputError(f"--coordinates '{where}'", remedy="give joint or actuator")
     if asked.period is not None and not 0.0 < asked.period <= 1.0:
         raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
-    coordinates = "joint" if where == "joint" else "actuator"
     kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
-    return Controller("pd", coordinates, kp=kp, kd=kd, period_s=asked.period)
+    return Controller("pd", "joint" if where == "joint" else "actuator", kp=kp, kd=kd, period_s=asked.period)
 
 
 def _beside(made: Model, source: Path, output: str) -> list[Path]:
