@@ -25,17 +25,9 @@ if TYPE_CHECKING:
     from .simulation import simulate
 
 __all__ = [
-    "compare",
-    "diagnose",
-    "import_table",
-    "improve",
-    "inspect",
-    "load_model",
-    "load_recording",
-    "load_recordings",
-    "save_recording",
-    "simulate",
-]
+    "compare", "diagnose", "import_table", "improve", "inspect", "load_model", "load_recording",
+    "load_recordings", "save_recording", "simulate",
+]  # fmt: skip
 
 _HOME = {
     "compare": "comparison",

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from workbench.rigs import DRAWN_EFFECTS, HiddenEffect, draw_several, hidden_effect
+from workbench.rigs import DRAWN_EFFECTS, HiddenEffect, hidden_effect
 from workbench.rigs.draw import magnitude_range
 from workbench.rigs.magnitudes import SMALLEST, Seat
 
+from .draw import draw_several
 from .outsiders import OUTSIDE, draw_outsider
 from .second.hidden import Hidden
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from limits import TooLong, at_most
 
-from . import mutate, seeds
+from . import mutate, mutate_table, seeds
 from .checks import Wrong
 from .kinds import KINDS, STYLES, Kind, repacked
 
@@ -81,7 +81,7 @@ class Bench:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 try:
-                    seeds.write_table(path, mutate.columns(random, seeds.table()))
+                    seeds.write_table(path, mutate_table.columns(random, seeds.table()))
                     return f"{file}: columns"
                 except Exception:  # what the writer refuses need not be read
                     path.write_bytes(raw)

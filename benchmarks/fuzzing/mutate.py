@@ -1,4 +1,4 @@
-"""Ways in which a valid file becomes a bad one: its bytes, its text, its tree, its columns."""
+"""Ways in which a valid file becomes a bad one: its bytes, its text, its tree."""
 
 from __future__ import annotations
 
@@ -14,14 +14,13 @@ import numpy as np
 import tomli_w
 
 Random = np.random.Generator
-Columns = dict[str, Any]
 
 #: Numbers that a careless reader stumbles over.
-_NUMBERS = (
+NUMBERS = (
     float("nan"), float("inf"), -float("inf"), 0.0, -0.0, -1.0, 1e308, -1e308, 5e-324, 1e-30, 1e9, 0.5, 1e30,
 )  # fmt: skip
 _INTEGERS = 0, -1, 1, 2, 2**31, 2**63 - 1, -(2**63), 10**7
-_TEXTS = (
+TEXTS = (
     "", " ", "nan", "0", "text", "../../../etc/passwd", "/etc/passwd", ".", "..", "\0", "a\nb", "x" * 5000,
     "[red]", "\x1b[31m", "<script>alert(1)</script>", "\u202e", "\U0001f916", "%s%n", "{0}", "${HOME}", "'",
 )  # fmt: skip
@@ -46,14 +45,14 @@ def odd(random: Random, value: Any = None) -> Any:
         return bool(random.integers(2))
     if isinstance(value, int | float) and kind < 6:
         scaled = float(value) * float(pick(random, (-1.0, 1e3, 1e-3, np.pi / 180, 180 / np.pi, 1e12)))
-        return pick(random, (*_NUMBERS, scaled, scaled, scaled))
+        return pick(random, (*NUMBERS, scaled, scaled, scaled))
     if isinstance(value, str) and kind < 6:
-        return pick(random, (*_TEXTS, value[::-1], value + "x", value[:-1], value.upper()))
+        return pick(random, (*TEXTS, value[::-1], value + "x", value[:-1], value.upper()))
     deep: Any = []
     if kind == 8:
         for _ in range(60):
             deep = [deep]
-    return pick(random, (*_NUMBERS, *_INTEGERS, *_TEXTS, [], {}, [1.0], [[]], {"a": 1}, ["a"], deep))
+    return pick(random, (*NUMBERS, *_INTEGERS, *TEXTS, [], {}, [1.0], [[]], {"a": 1}, ["a"], deep))
 
 
 def bytes_(random: Random, raw: bytes) -> bytes:
@@ -105,7 +104,7 @@ def text(random: Random, raw: bytes) -> bytes:
             words = sorted(set(_WORD.findall(raw))) or [b""]
             return _replaced(random, raw, _WORD, lambda found: pick(random, words))
         case 4:
-            return _replaced(random, raw, _WORD, lambda found: pick(random, _TEXTS).encode())
+            return _replaced(random, raw, _WORD, lambda found: pick(random, TEXTS).encode())
         case 5:
             lines = raw.split(b"\n")
             i, j = random.integers(len(lines), size=2)
@@ -152,7 +151,7 @@ def tree(random: Random, content: Any) -> Any:
                 holder[key] = [value, copy.deepcopy(value)] if not isinstance(value, list) else value * 2
             case 6:
                 if isinstance(holder, dict):
-                    holder[str(pick(random, (*_TEXTS, str(key) + "x", str(key).upper())))] = holder.pop(key)
+                    holder[str(pick(random, (*TEXTS, str(key) + "x", str(key).upper())))] = holder.pop(key)
                 else:
                     holder.insert(key, copy.deepcopy(holder[key]))
             case _:
@@ -221,53 +220,4 @@ def _odd_text(random: Random, value: str) -> str:
         i = int(random.integers(len(parts)))
         parts[i] = pick(random, _NUMBER_TEXTS).decode()
         return " ".join(parts)
-    return re.sub(r"[\0\x1b]", "", pick(random, _TEXTS))
-
-
-def columns(random: Random, table: Columns) -> Columns:
-    """A table's cells, rows and columns."""
-    out: Columns = {name: np.array(values) for name, values in table.items()}
-    for _ in range(int(random.integers(1, 3))):
-        if not out:
-            break
-        name = str(pick(random, list(out)))
-        rows = len(out[name])
-        row = int(random.integers(max(rows, 1)))
-        match int(random.integers(16)):
-            case 0 | 1 | 2 if rows and out[name].dtype.kind == "f":
-                out[name][row : row + int(2 ** random.integers(0, 6))] = pick(random, _NUMBERS)
-            case 3 if rows:
-                other = out[name].astype(object)
-                other[row] = pick(random, (*_TEXTS[2:], True, None))
-                out[name] = other
-            case 4:
-                del out[name]
-            case 5:
-                other = str(pick(random, list(out)))
-                out[name], out[other] = out[other], out[name]
-            case 6:
-                order = random.permutation(rows)
-                out = {n: v[order] if len(v) == rows else v for n, v in out.items()}
-            case 7:
-                out = {n: np.delete(v, slice(row, row + 7)) for n, v in out.items()}
-            case 8:
-                out[name] = out[name][: int(random.integers(rows + 1))]
-            case 9:
-                keep = int(pick(random, (0, 1, 2, 3, 7, 8, 16)))
-                out = {n: v[:keep] for n, v in out.items()}
-            case 10:
-                out = {n: v[::-1] for n, v in out.items()}
-            case 11 if out[name].dtype.kind == "f":
-                with np.errstate(all="ignore"):
-                    out[name] = out[name] * float(
-                        pick(random, (-1.0, 0.0, 1e3, 1e-3, 180 / np.pi, 1e200, 1e306))
-                    )
-            case 12:
-                out[name] = np.full(rows, pick(random, _NUMBERS))
-            case 13:
-                out[str(pick(random, (*_TEXTS, name.upper(), f" {name}", f"{name}.1")))] = out[name]
-            case 14 if rows > 4 and out[name].dtype.kind == "f":
-                out[name][rows // 2 :] += float(pick(random, (2 * np.pi, -2 * np.pi, 1e6)))
-            case _:
-                out[name] = np.round(out[name].astype(float), 1) if out[name].dtype.kind == "f" else out[name]
-    return out
+    return re.sub(r"[\0\x1b]", "", pick(random, TEXTS))

@@ -18,8 +18,8 @@ from mcap.reader import make_reader
 from tests.can.make import motor, table
 from tests.cli.here import run
 from tests.cli.test_options import commands
+from workbench.cli import options
 from workbench.cli.app import app
-from workbench.cli.common import HtmlOption, ModelArgument, RecordingsArgument
 from workbench.effects import load_model
 from workbench.frf.design_file import load_design
 from workbench.recordings import load_recordings
@@ -198,7 +198,7 @@ def test_a_new_command_is_in_the_matrix_by_itself() -> None:
     made = typer.Typer()
 
     @made.command()
-    def weigh(model: ModelArgument, recordings: RecordingsArgument, html: HtmlOption = None) -> None: ...
+    def weigh(model: options.Model, recordings: options.Recordings, html: options.Html = None) -> None: ...
 
     command = typer.main.get_command(made)
     assert asked_of("weigh", command) == [[m, "arm.toml"] for m in FOREIGN]

@@ -13,7 +13,7 @@ import typer
 from typer.testing import CliRunner
 
 import workbench.cli.heartbeat as module
-from workbench.cli.common import QuietOption
+from workbench.cli import options
 from workbench.cli.heartbeat import Heartbeat, duration, waiting
 from workbench.cli.progress import progress, staged
 
@@ -63,7 +63,7 @@ def _program(busy: Callable[[], object], told: bool, asked: bool = False) -> typ
     program = typer.Typer()
 
     @program.command()
-    def search(quiet: QuietOption = False) -> None:
+    def search(quiet: options.Quiet = False) -> None:
         with progress(quiet) as tell:
             if told:
                 staged(tell)("fitting [bold]x[/bold]")
@@ -144,7 +144,7 @@ def test_a_command_line_that_was_refused_says_nothing_beside_the_next() -> None:
     program = typer.Typer()
 
     @program.command()
-    def search(count: int, quiet: QuietOption = False) -> None:
+    def search(count: int, quiet: options.Quiet = False) -> None:
         typer.echo(count)
 
     before = _beating()

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exam.degrade import degrade
 
 from tests.data_helpers import LEG as EXAMPLES
 from tests.simulation.make import LEG_LOOP, leg_experiment
@@ -15,7 +16,6 @@ from workbench.comparison.noise import rig_noise
 from workbench.core import Recording
 from workbench.effects import load_model
 from workbench.recordings import load_recordings
-from workbench.rigs import degrade
 from workbench.simulation import Run, simulate
 
 from .make import measured

@@ -13,6 +13,7 @@ from workbench.core import InputError
 from workbench.frf import chirp, local_polynomial
 
 from .make import PLANT, RATE, mimo_plant, mimo_truth, recording, siso_loop, truth
+from .sure import distance, radius, within
 
 
 def noisy(seed: int, rows: int = 4000, noise: float = 0.1):
@@ -38,7 +39,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     hits = []
     for seed in range(12):
         frf = local_polynomial([noisy(seed)], f_min_hz=2, f_max_hz=200)
-        hits.append(np.abs(frf.response[:, 0, 0] - truth(frf.frequency)) < frf.radius(0.9)[:, 0, 0])
+        hits.append(np.abs(frf.response[:, 0, 0] - truth(frf.frequency)) < radius(frf, 0.9)[:, 0, 0])
     hits = np.array(hits)
     low, high = stats.binom.ppf([1e-4, 1 - 1e-4], hits.size, 0.9)
     assert low <= hits.sum() <= high
@@ -72,7 +73,7 @@ def test_several_inputs_from_one_record_or_two() -> None:
         records.append(recording(y[k * 137 :], u[k * 137 :]))
     for chosen in (records[:1], records):
         frf = local_polynomial(chosen, f_min_hz=2, f_max_hz=200)
-        chance = frf.distance(mimo_truth(plant, frf.frequency))[1]
+        chance = distance(frf, mimo_truth(plant, frf.frequency))[1]
         assert 0.02 < np.mean(chance < 0.2) < 0.45
         assert np.median(chance) == pytest.approx(0.5, abs=0.2)
 
@@ -91,9 +92,9 @@ def test_chirps_of_two_axes() -> None:
             y[i] = c @ state
             state = a @ state + b @ push
         records.append(recording(y + 0.01 * generator.normal(size=y.shape), u, design=d, experiment=e))
-    frf = local_polynomial(records).within(5, 50)
+    frf = within(local_polynomial(records), 5, 50)
     error = np.abs(frf.response - mimo_truth(plant, frf.frequency))
-    assert np.mean(error < frf.radius(0.9)) > 0.8
+    assert np.mean(error < radius(frf, 0.9)) > 0.8
     assert np.median(error / np.abs(frf.response)) < 5e-3
 
 

@@ -9,6 +9,8 @@ from tests.identification.test_fit import two_mass_frf
 from workbench.core import InputError
 from workbench.frf import find_resonances
 
+from .sure import within
+
 
 def test_frequencies_dampings_and_intervals() -> None:
     theta, frf = two_mass_frf(0.01, load=False)
@@ -28,4 +30,4 @@ def test_noise_makes_no_resonance() -> None:
     _, frf = two_mass_frf(1.0, load=False)
     assert len(find_resonances(frf, prominence_db=1.0)) <= 4
     with pytest.raises(InputError, match="too few"):
-        find_resonances(frf.within(50, 52))
+        find_resonances(within(frf, 50, 52))

@@ -11,7 +11,7 @@ from workbench.core.paths import closed_chain_file
 from workbench.mechanism import ClosedChain
 from workbench.mechanism.parse import parse
 
-from .chains import chain, joints_at, mechanism
+from .chains import chain, mechanism
 
 TEXT = closed_chain_file("leg").read_text()
 CUT = '<joint name="cut" type="revolute"><parent>coupler</parent><child>shank</child>'
@@ -131,16 +131,6 @@ def test_drives_out_of_the_workspace_are_named() -> None:
         chain("four_bar").tree_position(np.array([0.0, 3.0]))
     with pytest.raises(SimulationError, match=r"cannot be closed at pitch = -1.1, roll = 0"):
         chain("ankle").drive_position(np.array([-1.1, 0.0]))
-
-
-def test_margins_fall_towards_either_dead_point() -> None:
-    """The four-bar's crank turns back where coupler and arm are in line: towards the straight knee."""
-    four_bar = chain("four_bar")
-    margins = [
-        four_bar.margin(four_bar.drive_position(joints_at("four_bar", (0.5, x)))) for x in (0.5, 0.1, 0.0)
-    ]
-    assert margins[0].drives > margins[1].drives > margins[2].drives > 0.0
-    assert all(margin.joints > 0.1 for margin in margins)
 
 
 def test_a_start_that_is_a_dead_point_of_the_serial_joints_says_so() -> None:

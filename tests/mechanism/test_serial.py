@@ -66,12 +66,6 @@ def test_the_foot_is_where_the_two_links_put_it(leg: ClosedChain) -> None:
     np.testing.assert_allclose(leg.foot_jacobian(STATES[0][0]), np.transpose(columns), atol=1e-9)
 
 
-def test_the_margin_falls_towards_the_dead_point(leg: ClosedChain) -> None:
-    bent, nearly_straight = (leg.margin(np.array([0.2, 0.2 + knee])).drives for knee in (1.2, 0.05))
-    assert bent > 5 * nearly_straight > 0
-    assert leg.margin(np.array([0.2, 0.2])).drives < 1e-9
-
-
 def test_a_dead_point_in_serial_coordinates_is_refused(leg: ClosedChain) -> None:
     with pytest.raises(SimulationError, match=r"dead point at hip = 0.4, knee = 0"):
         leg.jacobian(np.array([0.4, 0.0]))

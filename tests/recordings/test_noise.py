@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exam.degrade import degrade
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from tests.data_helpers import leg_examples
 from workbench.core import Recording
 from workbench.recordings import load_recording, noise_levels
 from workbench.recordings.lattice import lattice_step
-from workbench.rigs import degrade
 
 STEP = 2 * np.pi / 16384
 

@@ -15,7 +15,6 @@ from workbench.rigs import (
     VirtualLeg,
     chirp,
     draw_hidden,
-    draw_several,
     hidden_effect,
 )
 from workbench.rigs.draw import magnitude_range
@@ -50,24 +49,6 @@ def test_more_effects_can_be_drawn_than_the_demo_draws() -> None:
     assert draw_hidden(3, ["backlash"]).effect == "backlash"
     with pytest.raises(InputError, match="'gremlins' is never drawn"):
         draw_hidden(3, ["gremlins"])
-
-
-@pytest.mark.parametrize("count", [2, 3])
-def test_several_effects_sit_apart_and_are_not_much_the_same(count: int) -> None:
-    sets = [draw_several(seed, count, DRAWN_EFFECTS) for seed in range(150)]
-    assert sets[7] == draw_several(7, count, DRAWN_EFFECTS)
-    for drawn in sets:
-        assert len({(d.axis, d.location) for d in drawn}) == count
-        VirtualLeg(drawn)  # the rig has room for them together
-        assert not {"reflected_inertia", "linkage_inertia"} <= {d.effect for d in drawn}
-    pairs = {tuple(sorted(d.effect for d in drawn)) for drawn in sets}
-    assert len(pairs) > 100
-    assert draw_several(1, count) != draw_several(2, count)
-
-
-def test_more_effects_than_go_together_are_refused() -> None:
-    with pytest.raises(InputError, match="no 2 of these effects can be combined"):
-        draw_several(0, 2, ["command_delay", "payload_mass"])
 
 
 def test_draws_are_physical() -> None:

@@ -19,7 +19,8 @@ def test_an_independent_simulator_differs_by_noise_only(case: str) -> None:
     if case == "friction":
         truth = json.loads((LEG / "friction.truth.json").read_text())
         hidden = [HiddenEffect(truth["effect"], truth["axis"], truth["location"], truth["parameters"])]
-    theirs = load_recordings(sorted((LEG / case).glob("*.toml")))
+    begun = slice(0, 5000 if case == "clean" else None)  # sticks take all the rows
+    theirs = [r.rows(begun) for r in load_recordings(sorted((LEG / case).glob("*.toml")))]
     ours = VirtualLeg(hidden, seed=11).run([Experiment.replay(recording) for recording in theirs])
     for measured, simulated in zip(theirs, ours, strict=True):
         sticks = case == "friction" and measured.name == "slow"  # where each stick ends hangs on the noise

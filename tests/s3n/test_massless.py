@@ -30,4 +30,4 @@ def test_a_link_without_mass_between_two_axes_moves(tmp_path: Path) -> None:
     )  # fmt: skip
     drives = Drives((1.0, 1.0), (0.01, 0.01), (0.0, 0.0), (np.inf, np.inf))
     made = import_model(mechanism, drives, tmp_path / "own.toml")
-    assert np.isfinite(PostureChain(made).mass(np.array([[0.1, 0.8]]))).all()
+    assert np.isfinite(PostureChain(made).dynamics(np.array([[0.1, 0.8]])).mass).all()

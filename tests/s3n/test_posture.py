@@ -73,9 +73,9 @@ def test_velocity_terms_do_no_work_of_their_own(name: str, a: float, b: float, v
     low, high = chain.box.T
     q = low + (0.02 + 0.96 * np.array([a, b])) * (high - low)
     h = 1e-5
-    ahead, behind = chain.mass(np.stack([q + h * v, q - h * v]))
+    ahead, behind = chain.dynamics(np.stack([q + h * v, q - h * v])).mass
     power = v @ ((ahead - behind) / (2 * h)) @ v / 2
-    bias = chain.bias(q[None], v[None])[0]
+    bias = chain.dynamics(q[None], v[None]).bias[0]
     assert v @ bias == pytest.approx(power, rel=1e-5, abs=1e-6)
 
 
@@ -98,7 +98,7 @@ def test_virtual_work(name: str, a: float, b: float, t1: float, t2: float) -> No
 
 @pytest.mark.parametrize("name", NAMES)
 def test_inertia_is_positive_everywhere(name: str) -> None:
-    mass = series(name).mass(states(name, 200)[0])
+    mass = series(name).dynamics(states(name, 200)[0]).mass
     assert np.linalg.eigvalsh(mass).min() > 0
     np.testing.assert_allclose(mass, mass.transpose(0, 2, 1), rtol=1e-12)
 
@@ -115,12 +115,12 @@ def test_a_posture_outside_the_workspace_is_named() -> None:
         series("five_bar").dynamics(q)
     np.testing.assert_array_equal(series("five_bar").inside(q), [True, False])
     with pytest.raises(SimulationError, match="'drive_1' is at nan"):
-        series("five_bar").mass(np.array([[np.nan, -1.5]]))
+        series("five_bar").dynamics(np.array([[np.nan, -1.5]]))
 
 
 def test_a_loop_that_cannot_close_is_named() -> None:
     with pytest.raises(SimulationError, match=r"five_bar.*cannot be closed at drive_1 = 0.9, knee_1 = 2"):
-        exact("five_bar").mass(np.array([[0.9, 2.0]]))
+        exact("five_bar").dynamics(np.array([[0.9, 2.0]]))
 
 
 def test_the_margin_falls_towards_a_singular_posture() -> None:
@@ -129,7 +129,7 @@ def test_the_margin_falls_towards_a_singular_posture() -> None:
 
     def slope(knee: float) -> float:
         try:
-            return float(chain.jacobian(np.array([[0.0, knee]]))[0, 1, 1])
+            return float(chain.dynamics(np.array([[0.0, knee]])).jacobian[0, 1, 1])
         except SimulationError:  # the root is where it is refused
             return 0.0
 
@@ -137,7 +137,7 @@ def test_the_margin_falls_towards_a_singular_posture() -> None:
     margin = chain.margin(np.array([[0.0, dead + x] for x in (1.0, 0.3, 0.03, 0.003)]))
     assert (np.diff(margin) < 0).all() and margin[-1] < 0.02 * margin[0]
     with pytest.raises(SimulationError, match=rf"dead point \(J is singular\) at hip = 0, knee = {dead:.2f}"):
-        chain.mass(np.array([[0.0, dead]]))
+        chain.dynamics(np.array([[0.0, dead]]))
 
 
 def test_limits_beyond_the_workspace_are_refused() -> None:

@@ -5,10 +5,5 @@ from .bundle import ObservationEntry, PolicyBundle, read_bundle, write_bundle
 from .policy import Policy
 
 __all__ = [
-    "ObservationEntry",
-    "Policy",
-    "PolicyBundle",
-    "objections",
-    "read_bundle",
-    "write_bundle",
-]
+    "ObservationEntry", "Policy", "PolicyBundle", "objections", "read_bundle", "write_bundle",
+]  # fmt: skip

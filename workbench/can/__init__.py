@@ -14,29 +14,7 @@ from .tables import CanConfig, Drive, MotorTable, make_drive
 from .wire import Wire
 
 __all__ = [
-    "MOST",
-    "BusLoad",
-    "CanConfig",
-    "Damiao",
-    "Drive",
-    "Fault",
-    "Feedback",
-    "Frame",
-    "FrameError",
-    "Mit",
-    "MotorTable",
-    "Parameter",
-    "Ranges",
-    "Read",
-    "Robstride",
-    "Setpoint",
-    "Span",
-    "Wire",
-    "bus_load",
-    "dbc",
-    "frame_bits",
-    "load_config",
-    "make_drive",
-    "range_problems",
-    "worst_bits",
-]
+    "MOST", "BusLoad", "CanConfig", "Damiao", "Drive", "Fault", "Feedback", "Frame", "FrameError", "Mit",
+    "MotorTable", "Parameter", "Ranges", "Read", "Robstride", "Setpoint", "Span", "Wire", "bus_load", "dbc",
+    "frame_bits", "load_config", "make_drive", "range_problems", "worst_bits",
+]  # fmt: skip

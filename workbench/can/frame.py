@@ -31,9 +31,7 @@ class Frame(NamedTuple):
 
     @property
     def priority(self) -> tuple[int, int, int]:
-        """Return the sort key of arbitration: lowest identifier first, standard frames before extended
-        ones.
-        """
+        """Return the sort key of arbitration: lowest identifier first, standard frames first."""
         if self.extended:
             return self.id >> 18, 1, (self.id & 0x3FFFF) << 1 | self.remote
         return self.id, 0, self.remote << 19

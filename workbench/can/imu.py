@@ -43,8 +43,7 @@ class Imu(Protocol):
 
 
 class WorkbenchImu:
-    """The virtual unit: angular velocity, direction of gravity, force divided by weight; 16 bits each,
-    big-endian.
+    """The virtual unit: angular velocity, direction of gravity, force by weight; 16 bits each, big-endian.
 
     Args:
         id: of the first of its three frames, which follow each other.

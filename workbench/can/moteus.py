@@ -128,8 +128,7 @@ class Moteus:
         return self._to_drive(head(READ, 3, _WATCHDOG, 1))
 
     def write(self, parameter: Parameter) -> Frame:
-        """Return the frame that stops the drive and sets its watchdog; every command sets the watchdog
-        again.
+        """Return the frame that stops the drive and sets its watchdog; each command sets the watchdog anew.
 
         Raises:
             FrameError: another parameter, or another watchdog than the commands'.
@@ -140,8 +139,7 @@ class Moteus:
         return self._to_drive(packed(WRITE, {_MODE: _STOPPED}, 0, _STEPS) + patience)
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
-        """Return the content of a frame of this drive; None if it comes from another one, or has neither
-        motion nor watchdog.
+        """Return the content of a frame of this drive; None if another's, or without motion or watchdog.
 
         Raises:
             FrameError: a frame of this drive that is cut off, no answer, or tells an error.

@@ -29,9 +29,7 @@ Gains = Annotated[list[NotNegative], BeforeValidator(_listed)]
 
 
 class RangesTable(Table):
-    """Full scale of the fields; with ``source = "drive"`` the first three may be omitted and are read from
-    the drive.
-    """
+    """Full scale of the fields; with ``source = "drive"`` the first three may be read from the drive."""
 
     position: Positive | None = None
     velocity: Positive | None = None

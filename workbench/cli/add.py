@@ -8,23 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Option
 
 from workbench.core import FORMAT, InputError, apart
 from workbench.core.formats import check_format
 
-from . import complete
-from .common import (
-    ForceOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    check_model_output,
-    check_outputs,
-    echo,
-    files_of,
-    write_result,
-)
+from . import complete, options
+from .common import check_model_output, check_outputs, echo, files_of, write_result
 from .into import Into, IntoOption, check_into
 from .values import parse_lists, parse_place, with_values
 
@@ -32,10 +22,10 @@ _AS_IN_MJCF = "friction_as_in_mjcf"  # no effect, but how the friction that the 
 
 
 def add(
-    model: ModelArgument,
+    model: options.Model,
     effect: Annotated[
         str | None,
-        typer.Argument(
+        Argument(
             metavar="EFFECT[@AXIS]",
             help="The effect, e.g. coulomb_friction@knee; coulomb_friction@knee(joint): at the joint.",
             autocompletion=complete.effects,
@@ -43,23 +33,23 @@ def add(
     ] = None,
     values: Annotated[
         list[str] | None,
-        typer.Argument(metavar="name=value...", help="Parameters, SI.", autocompletion=complete.values),
+        Argument(metavar="name=value...", help="Parameters, SI.", autocompletion=complete.values),
     ] = None,
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.  [required]")
+        str, Option("--output", "-o", metavar="NEW", help="The new model file.  [required]")
     ] = "",
     into: IntoOption = None,
     diagnosis: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--from",
             metavar="DIAGNOSIS",
             help="Take its parameters, or all findings, from the JSON of a diagnosis.",
         ),
     ] = None,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Write a new model file with an effect in it.
 

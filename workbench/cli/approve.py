@@ -6,36 +6,24 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Option
 
-from .common import (
-    ForceOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    SeedOption,
-    check_outputs,
-    echo,
-    files_of,
-    read_recordings,
-    write_result,
-)
+from . import options
+from .common import check_outputs, echo, files_of, read_recordings, write_result
 from .progress import progress
 
 
 def approve(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
+    model: options.Model,
+    recordings: options.Recordings,
     output: Annotated[
         str | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="The new record; default: beside the model's file."
-        ),
+        Option("--output", "-o", metavar="FILE", help="The new record; default: beside the model's file."),
     ] = None,
-    json: JsonOption = None,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Check a model, compare it with recordings, and write the record of both that `train` requires.
 

@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer import Argument, Option
 
 from workbench.core.text import counted
 
-from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
+from . import options
+from .common import check_outputs, echo, write_result
 from .hidden import HideOption, SetOption
 from .listing import Listing
 
@@ -33,13 +35,16 @@ can = typer.Typer(
 )
 
 ConfigArgument = Annotated[
-    str, typer.Argument(metavar="CONFIG", help="CAN configuration: buses, motors, limits (.toml).")
+    str, Argument(metavar="CONFIG", help="CAN configuration: buses, motors, limits (.toml).")
 ]
 
 
 @can.command()
 def load(
-    config: ConfigArgument, json: JsonOption = None, force: ForceOption = False, quiet: QuietOption = False
+    config: ConfigArgument,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Compute the largest load of each bus; exit code 1 above 70 %.
 
@@ -75,10 +80,10 @@ def _table(loads: Sequence[BusLoad]) -> Table:
 @can.command()
 def dbc(
     config: ConfigArgument,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The DBC file.")],
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    output: Annotated[str, Option("--output", "-o", metavar="FILE", help="The DBC file.")],
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Write a DBC of the drives, so that other tools can read the logs.
 
@@ -127,8 +132,8 @@ def motors(
     config: ConfigArgument,
     hide: HideOption = None,
     set_: SetOption = None,
-    seed: SeedOption = 0,
-    row_ms: Annotated[float, typer.Option(min=0.1, max=2.0, help="Cycle of the drives' control [ms].")] = 0.5,
+    seed: options.Seed = 0,
+    row_ms: Annotated[float, Option(min=0.1, max=2.0, help="Cycle of the drives' control [ms].")] = 0.5,
 ) -> None:
     """Run virtual motors on the buses; they turn virtual legs and single actuators, until interrupted.
 
@@ -152,7 +157,7 @@ def motors(
 
 @can.command()
 def virtual(
-    config: ConfigArgument, hide: HideOption = None, set_: SetOption = None, seed: SeedOption = 0
+    config: ConfigArgument, hide: HideOption = None, set_: SetOption = None, seed: options.Seed = 0
 ) -> None:
     """Run buses and virtual motors as two processes, until interrupted.
 
@@ -171,9 +176,9 @@ def virtual(
 @can.command()
 def log(
     config: ConfigArgument,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The candump log.")],
-    parent: Annotated[int, typer.Option(help="End after this process, if it started this one.")] = 0,
-    force: ForceOption = False,
+    output: Annotated[str, Option("--output", "-o", metavar="FILE", help="The candump log.")],
+    parent: Annotated[int, Option(help="End after this process, if it started this one.")] = 0,
+    force: options.Force = False,
 ) -> None:
     """Log every frame of the buses as candump does, until interrupted.
 

@@ -5,37 +5,25 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
+from typer import Option
 
-from .common import (
-    ForceOption,
-    HtmlOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    check_outputs,
-    files_of,
-    write_result,
-)
+from . import options
+from .common import check_outputs, files_of, write_result
 from .deliver import deliver_sheet
 from .progress import progress
 
 
 def check(
-    model: ModelArgument,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    samples: Annotated[
-        int, typer.Option("--samples", min=3, max=100_000, help="Number of random postures and speeds.")
-    ] = 50,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the random postures and speeds.")] = 0,
+    model: options.Model,
+    json: options.Json = None,
+    html: options.Html = None,
+    samples: Annotated[int, Option(min=3, max=100_000, help="Number of random postures and speeds.")] = 50,
+    seed: Annotated[int, Option(min=0, help="Seed of the random postures and speeds.")] = 0,
     tolerance: Annotated[
-        float,
-        typer.Option(
-            "--tolerance", min=0.0, help="Relative difference allowed between [linkage] and the closed chain."
-        ),
+        float, Option(min=0.0, help="Relative difference allowed between [linkage] and the closed chain.")
     ] = 1e-9,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Compare the serial tree, the closed chain and every S3N variant; exit with 1 if they disagree.
 

@@ -1,10 +1,10 @@
-"""What commands share: options, reading inputs, progress, and where results go."""
+"""What commands share: reading inputs, progress, and where results go."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -12,76 +12,9 @@ from workbench.core import InputError, Recording
 from workbench.core.files import check_free
 from workbench.core.text import plain
 
-from . import complete
-from .heartbeat import begin
-
 if TYPE_CHECKING:
     from workbench.models import Model
     from workbench.recordings import Excerpts, Log
-
-ModelArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="MODEL",
-        help="Model file (.toml, .xml, .urdf), a shipped model's name, or robot_descriptions:NAME.",
-        autocompletion=complete.models,
-    ),
-]
-RecordingsArgument = Annotated[list[str], typer.Argument(metavar="REC...", help="Recording files (.toml).")]
-HoldoutOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--holdout", metavar="REC", help="Recording that only tests the fit; may be given several times."
-    ),
-]
-JsonOption = Annotated[
-    str | None,
-    typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
-]
-HtmlOption = Annotated[
-    str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
-]
-
-
-def _can_be_written(format_: str) -> Callable[[str | None], str | None]:
-    """Refuses a result whose library is missing before minutes are spent on it."""
-
-    def checked(path: str | None) -> str | None:
-        if path is not None:
-            from workbench import report
-
-            getattr(report, f"check_{format_}")(path)
-        return path
-
-    return checked
-
-
-McapOption = Annotated[
-    str | None,
-    typer.Option(
-        "--mcap",
-        metavar="FILE",
-        callback=_can_be_written("mcap"),
-        help="Write measured and simulated signals for Foxglove and PlotJuggler.",
-    ),
-]
-RerunOption = Annotated[
-    str | None,
-    typer.Option(
-        "--rerun",
-        metavar="FILE",
-        callback=_can_be_written("rerun"),
-        help="Write measured and simulated signals as .rrd for the Rerun viewer.",
-    ),
-]
-WholeOption = Annotated[
-    bool, typer.Option("--whole", help="Fit every row of long logs, however much memory that takes.")
-]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing outputs.")]
-SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
-QuietOption = Annotated[
-    bool, typer.Option("--quiet", "-q", callback=begin, is_eager=True, help="Print nothing but errors.")
-]
 
 
 def echo(text: str, *, err: bool = False) -> None:
@@ -103,9 +36,7 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
 
 
 def without_models(paths: Sequence[str]) -> list[str]:
-    """Return files without the models among them (as ``*.toml`` finds them); a note on standard error
-    names these.
-    """
+    """Return files without models (as ``*.toml`` finds them); a note on standard error names these."""
     from workbench.recordings import is_model_file
 
     models = [p for p in paths if is_model_file(Path(p))]

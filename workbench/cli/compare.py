@@ -6,73 +6,54 @@ from dataclasses import replace
 from typing import Annotated
 
 import typer
+from typer import Option
 
 from workbench.core import InputError, SimulationError
 
-from .common import (
-    ForceOption,
-    HtmlOption,
-    JsonOption,
-    McapOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    RerunOption,
-    SeedOption,
-    check_outputs,
-    echo,
-    files_of,
-    open_sources,
-)
+from . import options
+from .common import echo, files_of, open_sources
 from .compare_gait import compare_gait
-from .deliver import deliver
+from .deliver import Outputs, deliver
 from .progress import progress
 
 
 def compare(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    mcap: McapOption = None,
-    rerun: RerunOption = None,
+    model: options.Model,
+    recordings: options.Recordings,
+    json: options.Json = None,
+    html: options.Html = None,
+    mcap: options.Mcap = None,
+    rerun: options.Rerun = None,
     fail_above: Annotated[
-        float | None,
-        typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 if the error is larger than this."),
+        float | None, Option(metavar="ERROR", help="Exit with 1 if the error is larger than this.")
     ] = None,
     gait: Annotated[
         str | None,
-        typer.Option(
-            "--gait",
+        Option(
             metavar="SIM",
             help="Compare the gait: REC comes from hardware, SIM from a simulator that ran the same command.",
         ),
     ] = None,
     again: Annotated[
         str | None,
-        typer.Option(
-            "--again",
-            metavar="REC",
-            help="With --gait: a second run of the hardware, which gives the noise floor.",
-        ),
+        Option(metavar="REC", help="With --gait: a second run of the hardware, which gives the noise floor."),
     ] = None,
     command: Annotated[
         str | None,
-        typer.Option(
-            "--command",
+        Option(
             metavar="V,W",
             help="With --gait: commanded speed [m/s] and yaw rate [rad/s]; default: the hardware's means.",
         ),
     ] = None,
     start: Annotated[
         float,
-        typer.Option(
+        Option(
             "--from", min=0.0, metavar="SECONDS", help="With --gait: leave out all rows before this time."
         ),
     ] = 0.0,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run the model the way each recording was made, and report its error beside the noise floor.
 
@@ -96,7 +77,8 @@ def compare(
     from workbench.diagnosis import doubts
     from workbench.effects import load_model
 
-    check_outputs(json, html, mcap, rerun, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check()
     loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
@@ -108,16 +90,6 @@ def compare(
             raise
         if not result.consistent:
             result = replace(result, notes=(*doubts(loaded, data), *result.notes))
-    deliver(
-        result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
-        files=files_of(loaded, data),
-        seeds={"noise": seed},
-    )
+    deliver(result, to, files=files_of(loaded, data), seeds={"noise": seed})
     if fail_above is not None and not result.error <= fail_above:
         raise typer.Exit(1)

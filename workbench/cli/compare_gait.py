@@ -76,8 +76,7 @@ def _pair(text: str | None) -> tuple[float, float] | None:
         forward, yaw = (float(part) for part in text.split(","))
     except ValueError as error:
         raise InputError(
-            f"'{text}' is not two numbers",
-            column="--command",
+            f"'{text}' is not two numbers", column="--command",
             remedy="e.g. --command 0.8,0.8 in m/s and rad/s",
-        ) from error
+        ) from error  # fmt: skip
     return forward, yaw

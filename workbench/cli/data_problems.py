@@ -12,8 +12,7 @@ if TYPE_CHECKING:  # MuJoCo is slow to import, and a shell that completes a word
 
 
 def data_problems(model: Model, recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """Return one note per problem: a wrong clock, unit, sign or swap looks like physics to everything
-    else.
+    """Return a note per problem: a wrong clock, unit, sign or swap looks like physics to all else.
 
     Args:
         model: whose transmission the recordings' coordinates differ by.

@@ -5,26 +5,43 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.core import Comparison, Diagnosis, Improvement, Result
 
-from .common import write_result
+from .common import check_outputs, write_result
 
 if TYPE_CHECKING:
     from workbench.report import Sheet
 
 
+@dataclass(frozen=True)
+class Outputs:
+    """Where a result goes: files, as they were named, and unless `quiet` the terminal."""
+
+    json: str | None = None
+    html: str | None = None
+    mcap: str | None = None
+    rerun: str | None = None
+    force: bool = False
+    quiet: bool = False
+
+    def check(self, *others: str | None) -> None:
+        """Refuse files that exist, these and others, before anything is computed."""
+        check_outputs(self.json, self.html, self.mcap, self.rerun, *others, force=self.force)
+
+    @property
+    def printed(self) -> bool:
+        """Return whether people read the standard output."""
+        return not self.quiet and self.json != "-"
+
+
 def deliver(
     result: Result,
+    to: Outputs,
     *,
-    json: str | None,
-    html: str | None,
-    mcap: str | None = None,
-    rerun: str | None = None,
-    force: bool,
-    quiet: bool,
     files: Sequence[Path],
     seeds: Mapping[str, int],
     truth: Sequence[Mapping[str, Any]] | None = None,
@@ -39,27 +56,22 @@ def deliver(
         table, content = report.diagnosis_table(result), report.diagnosis_dict(result)
     else:
         table, content = report.improvement_table(result), report.improvement_dict(result, truth)
-    if not quiet and json != "-":
+    if to.printed:
         report.print_table(table)
         if truth is not None and isinstance(result, Improvement):
             report.print_table(report.truth_table(result, truth))
-    if json:
-        write_result({**content, **(more or {})}, json, files=files, seeds=seeds, force=force)
-    if html:
-        report.write_page(result, html, **_made_by(files, seeds), truth=truth, force=force)
-    if mcap:
-        report.write_mcap(result, mcap, force=force)
-    if rerun:
-        report.write_rerun(result, rerun, force=force)
+    if to.json:
+        write_result({**content, **(more or {})}, to.json, files=files, seeds=seeds, force=to.force)
+    if to.html:
+        report.write_page(result, to.html, **_made_by(files, seeds), truth=truth, force=to.force)
+    if to.mcap:
+        report.write_mcap(result, to.mcap, force=to.force)
+    if to.rerun:
+        report.write_rerun(result, to.rerun, force=to.force)
 
 
 def deliver_sheet(
-    sheet: Sheet,
-    html: str,
-    *,
-    files: Sequence[Path],
-    seeds: Mapping[str, int] | None = None,
-    force: bool,
+    sheet: Sheet, html: str, *, files: Sequence[Path], seeds: Mapping[str, int] | None = None, force: bool
 ) -> None:
     """Write a page made of parts."""
     from workbench import report

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Argument, Option
 
-from . import complete
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, files_of
-from .deliver import deliver
+from . import complete, options
+from .common import check_outputs, files_of
+from .deliver import Outputs, deliver
 from .hidden import HideOption, SetOption
 from .progress import progress, staged
 
@@ -18,7 +19,7 @@ from .progress import progress, staged
 def demo(
     output: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="FOLDER|MODEL",
             help="Folder for all results; or a model of your own, with -o for the folder.",
             autocompletion=complete.models,
@@ -26,25 +27,23 @@ def demo(
     ] = "demo",
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="DESIGN...", help="For a model of your own: the experiments you plan."),
+        Argument(metavar="DESIGN...", help="For a model of your own: the experiments you plan."),
     ] = None,
     folder_of_model: Annotated[
         str,
-        typer.Option(
+        Option(
             "--output", "-o", metavar="FOLDER", help="For a model of your own: the folder for all results."
         ),
     ] = "demo",
     hide: HideOption = None,
     set_: SetOption = None,
-    seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Seed of the hidden effect, its size and all noise.")
-    ] = 0,
+    seed: Annotated[int, Option(min=0, help="Seed of the hidden effect, its size and all noise.")] = 0,
     clean: Annotated[
-        bool, typer.Option("--clean", help="Hide nothing; the right answer is then that nothing is missing.")
+        bool, Option("--clean", help="Hide nothing; the right answer is then that nothing is missing.")
     ] = False,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Hide an effect in virtual hardware, record it, find the effect, add it, and then reveal the truth.
 
@@ -104,16 +103,8 @@ def demo(
     if result.steps:
         write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
     page = str(folder / "report.html")
-    deliver(
-        result,
-        json=json,
-        html=page,
-        force=force,
-        quiet=quiet,
-        files=files_of(model, [*training, *judging]),
-        seeds={"demo": seed},
-        truth=truth,
-    )
+    files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
+    deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
     draw_figures(result, folder, force=force)
     made = "recordings, figures and improved.toml lie" if result.steps else "recordings and figures lie"
     say(f"\nLook at {page}; {made} beside it.")

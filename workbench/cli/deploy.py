@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
+from . import options
+from .common import check_outputs, echo, write_result
 from .heartbeat import waiting
 
 if TYPE_CHECKING:
@@ -23,48 +25,46 @@ if TYPE_CHECKING:
 
 def deploy(
     bundle: Annotated[
-        str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip), or 'tracker': no network.")
+        str, Argument(metavar="BUNDLE", help="A policy bundle (.zip), or 'tracker': no network.")
     ],
-    config: Annotated[str, typer.Argument(metavar="CONFIG", help="CAN configuration (.toml).")],
-    seconds: Annotated[float, typer.Option(min=1.0, max=86400.0, help="How long it runs.")] = 60.0,
+    config: Annotated[str, Argument(metavar="CONFIG", help="CAN configuration (.toml).")],
+    seconds: Annotated[float, Option(min=1.0, max=86400.0, help="How long it runs.")] = 60.0,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Virtual motors in simulated time; no bus is touched.")
+        bool, Option("--dry-run", help="Virtual motors in simulated time; no bus is touched.")
     ] = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Move without asking.")] = False,
-    cpu: Annotated[int | None, typer.Option(min=0, help="Run on this processor only.")] = None,
+    yes: Annotated[bool, Option("--yes", help="Move without asking.")] = False,
+    cpu: Annotated[int | None, Option(min=0, help="Run on this processor only.")] = None,
     velocity: Annotated[
         tuple[float, float, float],
-        typer.Option(metavar="X Y TURN", help="Commanded velocity of a walking policy [m/s, m/s, rad/s]."),
+        Option(metavar="X Y TURN", help="Commanded velocity of a walking policy [m/s, m/s, rad/s]."),
     ] = (0.0, 0.0, 0.0),
     unapproved: Annotated[
-        bool, typer.Option("--unapproved", help="Drive hardware with a policy that is not approved.")
+        bool, Option("--unapproved", help="Drive hardware with a policy that is not approved.")
     ] = False,
     watchdogs_tested: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--watchdogs-tested",
             help="Confirm that you saw each drive stop without its host; permits full torque.",
         ),
     ] = False,
     teleop: Annotated[
         str,
-        typer.Option(
-            metavar="HOW", help="Change the commanded velocity: keys (w s q e a d x), pad, or udp:PORT."
-        ),
+        Option(metavar="HOW", help="Change the commanded velocity: keys (w s q e a d x), pad, or udp:PORT."),
     ] = "",
     output: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FOLDER",
             help="Folder for the run's frames and its recording; default for hardware: deployed/DATE.",
         ),
     ] = None,
-    seed: SeedOption = 0,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    seed: options.Seed = 0,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a policy over CAN; an interrupt is the emergency stop. Exit code 1 if a fault ended it.
 

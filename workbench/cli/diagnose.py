@@ -6,58 +6,43 @@ from dataclasses import replace
 from typing import Annotated
 
 import typer
+from typer import Option
 
 from workbench.core import Diagnosis
 
-from .common import (
-    ForceOption,
-    HoldoutOption,
-    HtmlOption,
-    JsonOption,
-    McapOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    RerunOption,
-    SeedOption,
-    WholeOption,
-    check_outputs,
-    files_of,
-    open_pair,
-)
+from . import options
+from .common import files_of, open_pair
 from .data_problems import data_problems
-from .deliver import deliver, deliver_sheet
+from .deliver import Outputs, deliver, deliver_sheet
 from .progress import progress, staged
 
 
 def diagnose(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
-    holdout: HoldoutOption = None,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    mcap: McapOption = None,
-    rerun: RerunOption = None,
+    model: options.Model,
+    recordings: options.Recordings,
+    holdout: options.Holdout = None,
+    json: options.Json = None,
+    html: options.Html = None,
+    mcap: options.Mcap = None,
+    rerun: options.Rerun = None,
     shape: Annotated[
         str | None,
-        typer.Option(
-            "--shape",
+        Option(
             metavar="FILE",
             help="Picture (.png, .svg) of the torque that no effect explains: a description, not a cause.",
         ),
     ] = None,
     trace: Annotated[
         str | None,
-        typer.Option(
-            "--trace",
+        Option(
             metavar="FILE",
             help="Page of everything that was tried, the error that remained, and why it was rejected.",
         ),
     ] = None,
-    whole: WholeOption = False,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    whole: options.Whole = False,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Name the missing physical effect, how certain it is, what else it could be, and what to measure next.
 
@@ -67,7 +52,8 @@ def diagnose(
     from workbench.effects import load_model
     from workbench.report import trace_sheet
 
-    check_outputs(json, html, mcap, rerun, shape, trace, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check(shape, trace)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
@@ -76,27 +62,17 @@ def diagnose(
     problems = () if result.verdict == "consistent" else data_problems(loaded, used)
     result = replace(result, used=data.share, notes=(*problems, *result.notes, *data.notes))
     files, seeds = files_of(loaded, used), {"noise": seed}
-    deliver(
-        result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
-        files=files,
-        seeds=seeds,
-    )
+    deliver(result, to, files=files, seeds=seeds)
     if trace is not None:
         deliver_sheet(trace_sheet(result), trace, files=files, seeds=seeds, force=force)
     if shape is not None:
-        _draw(result, shape, force, quiet or json == "-")
+        _draw(result, shape, to)
 
 
-def _draw(result: Diagnosis, path: str, force: bool, quiet: bool) -> None:
+def _draw(result: Diagnosis, path: str, to: Outputs) -> None:
     from workbench.report import save_figure, shape_figure
 
     if result.shapes:
-        save_figure(shape_figure(result), path, force=force)
-    elif not quiet:
+        save_figure(shape_figure(result), path, force=to.force)
+    elif to.printed:
         typer.echo("No shape was drawn: the unexplained torque has no smooth part.")

@@ -6,29 +6,27 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
+from . import options
+from .common import check_outputs, echo, write_result
 from .progress import progress
 from .scores import score_words
 
 
 def evaluate(
-    bundle: Annotated[str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
+    bundle: Annotated[str, Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
+        str, Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
     ] = "",
-    seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
-    seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Seed of the command and of the sensors' noise.")
-    ] = 0,
-    task: Annotated[
-        str | None, typer.Option("--task", metavar="FILE", help="The task file, if it is Python.")
-    ] = None,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    seconds: Annotated[float, Option(min=1.5, max=600.0, help="How long it runs.")] = 4.0,
+    seed: Annotated[int, Option(min=0, help="Seed of the command and of the sensors' noise.")] = 0,
+    task: Annotated[str | None, Option(metavar="FILE", help="The task file, if it is Python.")] = None,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a policy on virtual hardware, a closed chain in Drake, and in the simulation it was trained in.
 

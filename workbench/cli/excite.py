@@ -7,20 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+from typer import Option
 
 from workbench.core import InputError
 from workbench.core.text import counted
 
-from .common import (
-    ForceOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    check_outputs,
-    echo,
-    files_of,
-    write_result,
-)
+from . import options
+from .common import check_outputs, echo, files_of, write_result
 from .progress import progress
 from .values import parse_values
 
@@ -33,55 +26,53 @@ _OF_MULTISINES = "grid", "per_decade", "phases", "realisations", "seed"
 
 def excite(
     ctx: typer.Context,
-    model: ModelArgument,
+    model: options.Model,
     output: Annotated[
         str,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="DESIGN",
             help="The TOML file of the design; its tables go into the same folder.  [required]",
         ),
     ] = "",
-    kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="Kind of excitation.")] = "multisine",
+    kind: Annotated[Literal["multisine", "chirp"], Option(help="Kind of excitation.")] = "multisine",
     drive: Annotated[
-        Literal["torque", "position"], typer.Option(help="Add torque to the feedback, or move its reference.")
+        Literal["torque", "position"], Option(help="Add torque to the feedback, or move its reference.")
     ] = "torque",
     amplitude: Annotated[
         list[float] | None,
-        typer.Option(
+        Option(
             help="RMS of a multisine or amplitude of a chirp [N m or rad]; one, or one per axis. Scaled down "
             "to the limits."
         ),
     ] = None,
-    f_min: Annotated[float, typer.Option(help="Lowest frequency [Hz].")] = 0.2,
-    f_max: Annotated[float, typer.Option(help="Highest frequency [Hz].")] = 60.0,
-    period: Annotated[float, typer.Option(help="Period, or length of a sweep [s].")] = 5.0,
-    periods: Annotated[int, typer.Option(help="Periods that are evaluated; default for a chirp: 1.")] = 4,
-    transient: Annotated[
-        int, typer.Option(help="Periods before these, to settle; default for a chirp: 0.")
-    ] = 1,
-    rate: Annotated[float, typer.Option(help="Rows per second.")] = 1000.0,
+    f_min: Annotated[float, Option(help="Lowest frequency [Hz].")] = 0.2,
+    f_max: Annotated[float, Option(help="Highest frequency [Hz].")] = 60.0,
+    period: Annotated[float, Option(help="Period, or length of a sweep [s].")] = 5.0,
+    periods: Annotated[int, Option(help="Periods that are evaluated; default for a chirp: 1.")] = 4,
+    transient: Annotated[int, Option(help="Periods before these, to settle; default for a chirp: 0.")] = 1,
+    rate: Annotated[float, Option(help="Rows per second.")] = 1000.0,
     grid: Annotated[
         Literal["full", "odd", "odd_random"],
-        typer.Option(help="Which lines; odd_random leaves some unexcited, to detect nonlinearity."),
+        Option(help="Which lines; odd_random leaves some unexcited, to detect nonlinearity."),
     ] = "full",
     per_decade: Annotated[
-        int | None, typer.Option(help="Lines per decade, nearly even in log frequency; default: all lines.")
+        int | None, Option(help="Lines per decade, nearly even in log frequency; default: all lines.")
     ] = None,
     phases: Annotated[
-        Literal["schroeder", "low_crest", "random"], typer.Option(help="Phases of the lines.")
+        Literal["schroeder", "low_crest", "random"], Option(help="Phases of the lines.")
     ] = "schroeder",
     realisations: Annotated[
-        int, typer.Option(help="Number of sets of experiments, each with new random phases.")
+        int, Option(help="Number of sets of experiments, each with new random phases.")
     ] = 1,
     mixing: Annotated[
         Literal["orthogonal", "single"],
-        typer.Option(help="All axes in every experiment, or one at a time (the default for a chirp)."),
+        Option(help="All axes in every experiment, or one at a time (the default for a chirp)."),
     ] = "orthogonal",
     posture: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             metavar="name=value",
             help="Position reference to hold, per joint or axis of the loop [rad or m]; "
             "default: the middle of its range.",
@@ -89,17 +80,15 @@ def excite(
     ] = None,
     loop: Annotated[
         str | None,
-        typer.Option(
-            "--loop", metavar="REC", help="Recording whose [controller] is used in place of the model's own."
-        ),
+        Option(metavar="REC", help="Recording whose [controller] is used in place of the model's own."),
     ] = None,
     speed_limit: Annotated[
-        list[float] | None, typer.Option(help="Largest speed [rad/s or m/s]; one, or one per axis.")
+        list[float] | None, Option(help="Largest speed [rad/s or m/s]; one, or one per axis.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of phases and unexcited lines.")] = 0,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    seed: Annotated[int, Option(min=0, help="Seed of phases and unexcited lines.")] = 0,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Design an excitation for every axis of a model, small enough for its limits.
 

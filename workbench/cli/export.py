@@ -5,21 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
+from . import options
+from .common import check_outputs, echo, write_result
 
 
 def export(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
+    run: Annotated[str, Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
+        str, Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
     ] = "",
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Write the policy of a run's last checkpoint as a bundle: ONNX, layout, gains, limits, model, record.
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
+from typer import Argument, Option
 
 from workbench.core.text import counted
 
-from .common import ForceOption, HtmlOption, JsonOption, QuietOption, SeedOption, check_outputs, write_result
+from . import options
+from .common import check_outputs, write_result
 from .deliver import deliver_sheet
 from .progress import progress
 
@@ -16,44 +18,40 @@ from .progress import progress
 def fleet(
     recordings: Annotated[
         list[str],
-        typer.Argument(metavar="REC...", help="Recordings, patterns or folders, of any number of robots."),
+        Argument(metavar="REC...", help="Recordings, patterns or folders, of any number of robots."),
     ],
     model: Annotated[
         list[str],
-        typer.Option(
-            "--model",
+        Option(
             metavar="[RIG=]MODEL",
             help="Model of all robots, or of rigs that match a pattern; or a folder of RIG.toml files.",
         ),
     ],
     output: Annotated[
         str,
-        typer.Option(
+        Option(
             "--output", "-o", metavar="FOLDER", help="Folder for results and improved models, one per robot."
         ),
     ],
     holdout: Annotated[
         list[str] | None,
-        typer.Option(
-            "--holdout",
+        Option(
             metavar="PATTERN",
             help="Names of recordings that only test; default: one in four of each robot with three or more.",
         ),
     ] = None,
     jobs: Annotated[
-        int, typer.Option("--jobs", "-j", metavar="N", help="Robots diagnosed in parallel; -1: one per core.")
+        int, Option("--jobs", "-j", metavar="N", help="Robots diagnosed in parallel; -1: one per core.")
     ] = -1,
     ray: Annotated[
         str | None,
-        typer.Option(
-            "--ray", metavar="ADDRESS", help="Run on this Ray cluster; 'auto': the one that is running."
-        ),
+        Option(metavar="ADDRESS", help="Run on this Ray cluster; 'auto': the one that is running."),
     ] = None,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    html: options.Html = None,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Diagnose each of many robots from its own logs, and say where the robots differ.
 

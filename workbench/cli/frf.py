@@ -5,35 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Option
 
-from .common import (
-    ForceOption,
-    HtmlOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    check_outputs,
-    files_of,
-    read_recordings,
-    write_result,
-)
+from . import options
+from .common import check_outputs, files_of, read_recordings, write_result
 from .deliver import deliver_sheet
 from .progress import progress
 
 
 def frf(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
-    json: JsonOption = None,
-    html: HtmlOption = None,
+    model: options.Model,
+    recordings: options.Recordings,
+    json: options.Json = None,
+    html: options.Html = None,
     figure: Annotated[
-        str | None,
-        typer.Option("--figure", metavar="FILE", help="Picture of the response (.png, .svg, .pdf)."),
+        str | None, Option(metavar="FILE", help="Picture of the response (.png, .svg, .pdf).")
     ] = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Estimate frequency responses with uncertainty; compare them with the closed chain and all variants.
 

@@ -50,11 +50,7 @@ def frf_dict(model: Model, found: Sequence[FrfComparison]) -> dict[str, Any]:
                 "measured": _parts(c.frf.response),
                 "std": c.frf.std,
                 "models": {
-                    name: {
-                        **_parts(g),
-                        "relative_error": c.overall(name),
-                        "worst_hz": c.worst(name),
-                    }
+                    name: {**_parts(g), "relative_error": c.overall(name), "worst_hz": c.worst(name)}
                     for name, g in c.models.items()
                 },
                 "relative_noise": c.overall_noise,

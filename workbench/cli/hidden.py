@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
 from workbench.core import EffectKey, InputError
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 HideOption = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--hide",
         metavar="EFFECT[@AXIS]",
         help="Hide an effect in the virtual hardware.",
@@ -26,7 +26,7 @@ HideOption = Annotated[
 ]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."),
+    Option("--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."),
 ]
 
 

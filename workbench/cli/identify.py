@@ -7,23 +7,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import (
-    ForceOption,
-    HtmlOption,
-    JsonOption,
-    QuietOption,
-    RecordingsArgument,
-    check_model_output,
-    check_outputs,
-    echo,
-    files_of,
-    read_recordings,
-    write_result,
-)
+from . import complete, options
+from .common import check_model_output, check_outputs, echo, files_of, read_recordings, write_result
 from .deliver import deliver_sheet
 from .listing import Listing
 
@@ -37,30 +26,29 @@ identify = typer.Typer(
 
 _Base = Annotated[
     str,
-    typer.Option(
+    Option(
         "--model",
         metavar="MODEL",
         help="The model that gets the numbers: a serial tree.",
         autocompletion=complete.models,
     ),
 ]
-_Output = Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
+_Output = Annotated[str, Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[
-    str | None,
-    typer.Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."),
+    str | None, Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf).")
 ]
 
 
 @identify.command()
 def actuator(
-    recordings: RecordingsArgument,
+    recordings: options.Recordings,
     model: _Base = "leg_kin_only",
     output: _Output = "",
-    json: JsonOption = None,
-    html: HtmlOption = None,
+    json: options.Json = None,
+    html: options.Html = None,
     figure: _Figure = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Inertia, damping and delay of a drive on its own, from open-loop torque excitation.
 
@@ -93,22 +81,18 @@ def actuator(
 
 @identify.command()
 def leg(
-    recordings: RecordingsArgument,
+    recordings: options.Recordings,
     model: _Base = "leg_kin_only",
     actuator: Annotated[
         list[str] | None,
-        typer.Option(
-            "--actuator",
-            metavar="REC",
-            help="Recordings of the actuator alone; default: the model's own numbers.",
-        ),
+        Option(metavar="REC", help="Recordings of the actuator alone; default: the model's own numbers."),
     ] = None,
     output: _Output = "",
-    json: JsonOption = None,
-    html: HtmlOption = None,
+    json: options.Json = None,
+    html: options.Html = None,
     figure: _Figure = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Total inertia of a parallel leg; with the actuators' share subtracted once, the S3N-Full model.
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import ForceOption, JsonOption, QuietOption, check_outputs
+from . import complete, options
+from .common import check_outputs
 from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
 from .import_table import import_several, import_table, read_answers
 
@@ -20,7 +20,7 @@ _MECHANISMS = (".sdf", ".urdf", ".xml", ".xacro", ".world")
 def import_(
     files: Annotated[
         list[str],
-        typer.Argument(
+        Argument(
             metavar="FILE...",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
             "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops. "
@@ -29,7 +29,7 @@ def import_(
     ],
     output: Annotated[
         str,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="TOML",
@@ -38,124 +38,92 @@ def import_(
     ] = "",
     model: Annotated[
         str | None,
-        typer.Option(
-            "--model",
+        Option(
             metavar="MODEL",
             help="Table: the model whose axes the recording is for.",
             autocompletion=complete.models,
         ),
     ] = None,
     column: Annotated[
-        list[str] | None,
-        typer.Option("--column", metavar="SIGNAL=A,B", help="Table: columns of a signal, one per axis."),
+        list[str] | None, Option(metavar="SIGNAL=A,B", help="Table: columns of a signal, one per axis.")
     ] = None,
     unit: Annotated[
         list[str] | None,
-        typer.Option(
-            "--unit",
+        Option(
             metavar="KIND=UNIT",
             help="Table: unit of time, position, velocity, torque; or one per axis: position=deg,deg,mm,deg.",
         ),
     ] = None,
     rate: Annotated[
-        float | None,
-        typer.Option("--rate", metavar="HZ", help="Table: rows per second, if no column is time."),
+        float | None, Option(metavar="HZ", help="Table: rows per second, if no column is time.")
     ] = None,
-    counts: Annotated[
-        float | None, typer.Option("--counts", metavar="N", help="Table: encoder counts per turn.")
-    ] = None,
-    coordinates: Annotated[
-        str, typer.Option("--coordinates", metavar="WHERE", help="Table: 'actuator' or 'joint'.")
-    ] = "",
+    counts: Annotated[float | None, Option(metavar="N", help="Table: encoder counts per turn.")] = None,
+    coordinates: Annotated[str, Option(metavar="WHERE", help="Table: 'actuator' or 'joint'.")] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="The loop's gain [N m/rad; N/m of a slide], one value or one per axis."),
+        Option(help="The loop's gain [N m/rad; N/m of a slide], one value or one per axis."),
     ] = None,
-    kd: Annotated[
-        list[float] | None, typer.Option("--kd", help="The loop's damping [N m s/rad; N s/m].")
-    ] = None,
-    period: Annotated[float | None, typer.Option("--period", metavar="S", help="The loop's period.")] = None,
+    kd: Annotated[list[float] | None, Option(help="The loop's damping [N m s/rad; N s/m].")] = None,
+    period: Annotated[float | None, Option(metavar="S", help="The loop's period.")] = None,
     episode: Annotated[
         int | None,
-        typer.Option(
-            "--episode",
-            min=0,
-            metavar="K",
-            help="LeRobot, or a log of several runs: number of the run, from 0.",
-        ),
+        Option(min=0, metavar="K", help="LeRobot, or a log of several runs: number of the run, from 0."),
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Table: take the likeliest answer to every question.")
+        bool, Option("--yes", "-y", help="Table: take the likeliest answer to every question.")
     ] = False,
-    json: JsonOption = None,
+    json: options.Json = None,
     drive: Annotated[
-        list[str] | None,
-        typer.Option("--drive", metavar="JOINT", help="A joint that a motor turns; in order."),
+        list[str] | None, Option(metavar="JOINT", help="A joint that a motor turns; in order.")
     ] = None,
     joint: Annotated[
-        list[str] | None,
-        typer.Option("--joint", metavar="JOINT", help="A serial joint, from the base to the foot."),
+        list[str] | None, Option(metavar="JOINT", help="A serial joint, from the base to the foot.")
     ] = None,
     loop: Annotated[
         list[str] | None,
-        typer.Option(
-            "--loop", metavar="A:B", help="Two frames that coincide; not needed if the file says so."
-        ),
+        Option(metavar="A:B", help="Two frames that coincide; not needed if the file says so."),
     ] = None,
-    foot: Annotated[
-        str | None, typer.Option("--foot", metavar="FRAME", help="The frame at the foot.")
-    ] = None,
+    foot: Annotated[str | None, Option(metavar="FRAME", help="The frame at the foot.")] = None,
     axis: Annotated[
-        list[str] | None,
-        typer.Option("--axis", metavar="NAME", help="Name of a drive in recordings; in order."),
+        list[str] | None, Option(metavar="NAME", help="Name of a drive in recordings; in order.")
     ] = None,
     limits: Annotated[
         list[str] | None,
-        typer.Option(
-            "--limits", metavar="JOINT=LOW:HIGH", help="Range of a serial joint; default: the file's own."
-        ),
+        Option(metavar="JOINT=LOW:HIGH", help="Range of a serial joint; default: the file's own."),
     ] = None,
     start: Annotated[
         list[str] | None,
-        typer.Option(
-            "--start", metavar="JOINT=ANGLE", help="A joint's angle near a closed posture; picks the branch."
-        ),
+        Option(metavar="JOINT=ANGLE", help="A joint's angle near a closed posture; picks the branch."),
     ] = None,
     hold: Annotated[
         list[str] | None,
-        typer.Option(
-            "--hold",
+        Option(
             metavar="JOINT=ANGLE",
             help="A joint without a drive that stays at this position, such as one on a stiff spring.",
         ),
     ] = None,
     hold_rest: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--hold-rest",
             help="Hold all joints that neither drives nor loops move, to import one limb of a whole robot.",
         ),
     ] = False,
     gear: Annotated[
-        list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one per drive.")
+        list[float] | None, Option(help="Gear ratio, one for all drives or one per drive.")
     ] = None,
     rotor_inertia: Annotated[
-        list[float] | None,
-        typer.Option("--rotor-inertia", help="At the rotor [kg m^2], one for all or one per drive."),
+        list[float] | None, Option(help="At the rotor [kg m^2], one for all or one per drive.")
     ] = None,
     rotor_damping: Annotated[
-        list[float] | None,
-        typer.Option("--rotor-damping", help="At the rotor [N m s/rad], one for all or one per drive."),
+        list[float] | None, Option(help="At the rotor [N m s/rad], one for all or one per drive.")
     ] = None,
     torque_limit: Annotated[
-        list[float] | None,
-        typer.Option("--torque-limit", help="At the output [N m], one for all or one per drive."),
+        list[float] | None, Option(help="At the output [N m], one for all or one per drive.")
     ] = None,
-    delay: Annotated[
-        float, typer.Option("--delay", min=0.0, max=1.0, help="From command to torque [s].")
-    ] = 0.0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    delay: Annotated[float, Option(min=0.0, max=1.0, help="From command to torque [s].")] = 0.0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Make a recording of any table or log, or a model of your own leg from an SDF, URDF or MJCF with a loop.
 

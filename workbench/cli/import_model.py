@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -51,10 +51,9 @@ def refuse_model(path: Path) -> None:
 
     if is_mjcf(path) and not any(equality.active for equality in load_with_loops(path).equalities):
         raise InputError(
-            "it is an MJCF, which is a model already",
-            file=path,
+            "it is an MJCF, which is a model already", file=path,
             remedy=f"use it as it is: workbench import LOG --model {path}, workbench compare {path} RUN.toml",
-        )
+        )  # fmt: skip
 
 
 def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> None:
@@ -126,13 +125,12 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    loop = _loop(asked, count)
     made = import_model(
         mechanism,
         drives,
         output,
         axes=axes,
-        controller=loop,
+        controller=_loop(asked, count),
         hold_rest=asked.hold_rest,
         kept=tuple(own),
         tell=narrowed.append,
@@ -169,27 +167,23 @@ def import_mechanism(
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
-    lost = {name: value for name, value in contents.damping.items() if value and name not in names}
-    if lost:
-        said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
-        echo(
-            f"Not imported: springs, dry friction, and the damping of joints without a drive: {said} N m "
-            "s/rad."
-        )
-    rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
-    if rotors:
-        said = ", ".join(f"{name} {value:.3g}" for name, value in rotors.items())
-        echo(f"Not imported: the armature of joints without a drive: {said} kg m².")
+    if lost := _without(names, contents.damping):
+        what = "springs, dry friction, and the damping of joints without a drive"
+        echo(f"Not imported: {what}: {lost} N m s/rad.")
+    if lost := _without(names, contents.armature):
+        echo(f"Not imported: the armature of joints without a drive: {lost} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
-        echo(
-            "The mechanism is a parallelogram; its linkage adds to the serial tree: "
-            + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
-            + "."
-        )
+        said = ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
+        echo(f"The mechanism is a parallelogram; its linkage adds to the serial tree: {said}.")
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
+
+
+def _without(driven: Sequence[str], values: Mapping[str, float]) -> str:
+    """Joints that no motor drives, each with its value; empty where none has one."""
+    return ", ".join(f"{name} {value:.3g}" for name, value in values.items() if value and name not in driven)
 
 
 def _loop(asked: MechanismOptions, count: int) -> Controller:
@@ -209,9 +203,8 @@ def _loop(asked: MechanismOptions, count: int) -> Controller:
         raise InputError(f"--coordinates '{where}'", remedy="give joint or actuator")
     if asked.period is not None and not 0.0 < asked.period <= 1.0:
         raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
-    coordinates = "joint" if where == "joint" else "actuator"
     kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
-    return Controller("pd", coordinates, kp=kp, kd=kd, period_s=asked.period)
+    return Controller("pd", "joint" if where == "joint" else "actuator", kp=kp, kd=kd, period_s=asked.period)
 
 
 def _beside(made: Model, source: Path, output: str) -> list[Path]:

@@ -107,10 +107,9 @@ def import_several(
         raise InputError("--json is of one log", remedy="import one at a time, or leave --json out")
     if folder and Path(folder).suffix:
         raise InputError(
-            "several logs do not go into one file",
-            file=folder,
+            "several logs do not go into one file", file=folder,
             remedy="name a folder with -o, or leave -o out",
-        )
+        )  # fmt: skip
     targets = [Path(folder) / default_output(p).name if folder else default_output(p) for p in paths]
     for target in targets:
         if targets.count(target) > 1:

@@ -5,52 +5,35 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated
 
-import typer
+from typer import Option
 
 from workbench.core import Improvement, WorkbenchError
 
-from .common import (
-    ForceOption,
-    HoldoutOption,
-    HtmlOption,
-    JsonOption,
-    McapOption,
-    ModelArgument,
-    QuietOption,
-    RecordingsArgument,
-    RerunOption,
-    SeedOption,
-    WholeOption,
-    check_model_output,
-    check_outputs,
-    echo,
-    files_of,
-    open_pair,
-)
+from . import options
+from .common import check_model_output, echo, files_of, open_pair
 from .data_problems import data_problems
-from .deliver import deliver
+from .deliver import Outputs, deliver
 from .into import Into, IntoOption, check_into
 from .progress import progress, staged
 
 
 def improve(
-    model: ModelArgument,
-    recordings: RecordingsArgument,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The improved model file.")],
+    model: options.Model,
+    recordings: options.Recordings,
+    output: Annotated[str, Option("--output", "-o", metavar="NEW", help="The improved model file.")],
     into: IntoOption = None,
-    holdout: HoldoutOption = None,
-    json: JsonOption = None,
-    html: HtmlOption = None,
-    mcap: McapOption = None,
-    rerun: RerunOption = None,
+    holdout: options.Holdout = None,
+    json: options.Json = None,
+    html: options.Html = None,
+    mcap: options.Mcap = None,
+    rerun: options.Rerun = None,
     nearest: Annotated[
-        bool,
-        typer.Option("--nearest", help="If no cause can be named, add the effects that come nearest."),
+        bool, Option("--nearest", help="If no cause can be named, add the effects that come nearest.")
     ] = False,
-    whole: WholeOption = False,
-    seed: SeedOption = 0,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    whole: options.Whole = False,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Diagnose and add until the data are explained; show the error falling, step by step.
 
@@ -64,7 +47,8 @@ def improve(
 
     if into is None:
         check_model_output(output, force=force)
-    check_outputs(json, html, mcap, rerun, force=force)
+    to = Outputs(json, html, mcap, rerun, force, quiet)
+    to.check()
     loaded = load_model(model)
     if into is not None:
         check_into(loaded, into, output, force=force)
@@ -89,19 +73,14 @@ def improve(
     result = replace(result, used=data.share, notes=tuple(notes))
     deliver(
         result,
-        json=json,
-        html=html,
-        mcap=mcap,
-        rerun=rerun,
-        force=force,
-        quiet=quiet,
+        to,
         files=files_of(loaded, [*data.training, *data.held_out]),
         seeds={"noise": seed},
         more=written.as_dict if written else None,
     )
     if refused is not None:
         raise refused
-    if not quiet and json != "-":
+    if to.printed:
         echo(_told(result, written, output))
 
 

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 import typer
 
-from .common import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    RecordingsArgument,
-    check_outputs,
-    files_of,
-    read_recordings,
-    write_result,
-)
+from . import options
+from .common import check_outputs, files_of, read_recordings, write_result
 
 
 def inspect(
-    recordings: RecordingsArgument,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    recordings: options.Recordings,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Check recordings for swapped axes, wrong signs, units, gains, clocks and noise.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-import typer
+from typer import Option
 
 from workbench.core import InputError
 from workbench.core.files import write_whole
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 IntoOption = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--into",
         metavar="ROBOT",
         help="Write the numbers into a copy of this .xml or .urdf (-o names it); all else stays as it is.",

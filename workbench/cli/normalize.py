@@ -6,21 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Option
 
 from workbench.core import InputError, WorkbenchError
 
-from . import complete
-from .common import (
-    ForceOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    check_outputs,
-    echo,
-    files_of,
-    write_result,
-)
+from . import complete, options
+from .common import check_outputs, echo, files_of, write_result
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -28,14 +19,13 @@ if TYPE_CHECKING:
 
 
 def normalize(
-    model: ModelArgument,
+    model: options.Model,
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FILE", help="The new MJCF file.  [required]")
+        str, Option("--output", "-o", metavar="FILE", help="The new MJCF file.  [required]")
     ] = "",
     variant: Annotated[
         str | None,
-        typer.Option(
-            "--variant",
+        Option(
             metavar="NAME",
             help="kin_only, s3n_act, s3n_full or exact; default: the model's, or S3N-Full for Kin-Only.",
             autocompletion=complete.variants,
@@ -43,24 +33,23 @@ def normalize(
     ] = None,
     allow_error: Annotated[
         float,
-        typer.Option(
-            "--allow-error",
+        Option(
             min=0.0,
             help="If the transmission depends on the posture: largest error allowed for the fitted inertia.",
         ),
     ] = 0.05,
     for_: Annotated[
         str,
-        typer.Option(
+        Option(
             "--for",
             metavar="TARGET",
             help="Target program: mujoco (4), mujoco3, mjlab, newton or urdf; all losses are listed.",
             autocompletion=complete.targets,
         ),
     ] = "mujoco",
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Write the S3N-normalised serial tree as plain MJCF, for any training pipeline.
 

@@ -1,6 +1,4 @@
-"""Progress: what is being done and for how much longer, as a moving line in a terminal, or rare lines in
-a log.
-"""
+"""Progress: what is done and for how much longer, as a moving line, or in a log as rare lines."""
 
 from __future__ import annotations
 

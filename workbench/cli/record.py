@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
+from . import complete, options
+from .common import check_outputs, echo, write_result
 from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _RATE = 1000.0  # rows per second, of both rigs
 def record(
     rig: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="RIG",
             help="'leg', the virtual parallel leg; 'leg_on_plate', the same over a force plate; "
             "'actuator', its drive alone; a CAN file (.toml); or, with --virtual, a model of your own.",
@@ -33,33 +33,32 @@ def record(
     ],
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(
+        Argument(
             metavar="EXPERIMENT...",
             help="Designs from 'excite' (.toml), or the leg's experiments; the demo's six if none is named.",
             autocompletion=complete.experiments,
         ),
     ] = None,
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
+        str, Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
     ] = "",
     hide: HideOption = None,
     set_: SetOption = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the sensors' noise.")] = 0,
+    seed: Annotated[int, Option(min=0, help="Seed of the sensors' noise.")] = 0,
     virtual: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--virtual",
             help="Virtual hardware made of the model; of a CAN file, virtual motors on modelled buses.",
         ),
     ] = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Over CAN: move without asking.")] = False,
+    yes: Annotated[bool, Option("--yes", help="Over CAN: move without asking.")] = False,
     from_logs: Annotated[
-        bool,
-        typer.Option("--from-logs", help="Over CAN: rebuild recordings from interrupted logs in the folder."),
+        bool, Option("--from-logs", help="Over CAN: rebuild recordings from interrupted logs in the folder.")
     ] = False,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run experiments on a rig and write the recordings.
 

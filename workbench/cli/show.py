@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import ForceOption, QuietOption, check_outputs, echo
+from . import complete, options
+from .common import check_outputs, echo
 from .progress import progress
 from .scores import told_scores
 
@@ -26,33 +26,24 @@ if TYPE_CHECKING:
 
 def show(
     shown: Annotated[
-        str,
-        typer.Argument(metavar="BUNDLE|RECORDING", help="A policy bundle (.zip), or a recording (.toml)."),
+        str, Argument(metavar="BUNDLE|RECORDING", help="A policy bundle (.zip), or a recording (.toml).")
     ],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="PAGE", help="The page (.html).  [required]")
+        str, Option("--output", "-o", metavar="PAGE", help="The page (.html).  [required]")
     ] = "",
     model: Annotated[
         str | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL",
-            help="For a recording: the model of its machine.",
-            autocompletion=complete.models,
+        Option(
+            metavar="MODEL", help="For a recording: the model of its machine.", autocompletion=complete.models
         ),
     ] = None,
-    seconds: Annotated[
-        float, typer.Option("--seconds", min=1.5, max=60.0, help="For a bundle: length of the run.")
-    ] = 4.0,
+    seconds: Annotated[float, Option(min=1.5, max=60.0, help="For a bundle: length of the run.")] = 4.0,
     task: Annotated[
-        str | None,
-        typer.Option("--task", metavar="FILE", help="For a bundle: the task file, if it is Python."),
+        str | None, Option(metavar="FILE", help="For a bundle: the task file, if it is Python.")
     ] = None,
-    mp4: Annotated[
-        str | None, typer.Option("--mp4", metavar="FILE", help="Write a film as well; needs ffmpeg.")
-    ] = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    mp4: Annotated[str | None, Option(metavar="FILE", help="Write a film as well; needs ffmpeg.")] = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Write a page that shows the robot moving beside its curves; a bundle runs in its training
     simulation.

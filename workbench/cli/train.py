@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, files_of, write_result
+from . import complete, options
+from .common import check_outputs, echo, files_of, write_result
 from .heartbeat import duration
 from .progress import progress
 
@@ -22,19 +22,18 @@ if TYPE_CHECKING:
 def train(
     task: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="TASK",
             help="reach, pitch-in-place or circular; or a task file of your own (.toml, .py).",
             autocompletion=complete.tasks,
         ),
     ],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
+        str, Option("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
     ] = "",
     model: Annotated[
         str | None,
-        typer.Option(
-            "--model",
+        Option(
             metavar="MODEL",
             help="Model of the limb; default: that of the record, otherwise leg.",
             autocompletion=complete.models,
@@ -42,63 +41,51 @@ def train(
     ] = None,
     variant: Annotated[
         str | None,
-        typer.Option(
-            "--variant",
+        Option(
             metavar="NAME",
             help="kin_only, s3n_act, s3n_full or exact; default: the model's.",
             autocompletion=complete.variants,
         ),
     ] = None,
-    envs: Annotated[int, typer.Option("--envs", min=2, help="Number of parallel simulated worlds.")] = 256,
+    envs: Annotated[int, Option(min=2, help="Number of parallel simulated worlds.")] = 256,
     iterations: Annotated[
-        int | None, typer.Option("--iterations", min=1, help="Total PPO iterations; default: the task's.")
+        int | None, Option(min=1, help="Total PPO iterations; default: the task's.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = 0,
-    device: Annotated[
-        str, typer.Option("--device", help="cpu, cuda or cuda:N.", autocompletion=complete.devices)
-    ] = "cpu",
+    seed: Annotated[int, Option(min=0, help="Seed of all random numbers.")] = 0,
+    device: Annotated[str, Option(help="cpu, cuda or cuda:N.", autocompletion=complete.devices)] = "cpu",
     legs: Annotated[
         str | None,
-        typer.Option(
-            "--legs",
+        Option(
             help="Randomise link properties per world: none, leg_rand, heavy_leg_rand; default: the task's.",
             autocompletion=complete.legs,
         ),
     ] = None,
     stiff: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--stiff-contact",
             help="Stiff feet of a quadruped: contact time constant 6 ms, not MuJoCo's 20 ms.",
         ),
     ] = False,
-    save_every: Annotated[
-        int, typer.Option("--save-every", min=1, help="Iterations between checkpoints.")
-    ] = 50,
-    threads: Annotated[
-        int, typer.Option("--threads", min=0, help="Threads of the simulation; 0: all cores.")
-    ] = 0,
+    save_every: Annotated[int, Option(min=1, help="Iterations between checkpoints.")] = 50,
+    threads: Annotated[int, Option(min=0, help="Threads of the simulation; 0: all cores.")] = 0,
     logger: Annotated[
         str,
-        typer.Option(
-            "--logger",
+        Option(
             help="Show the learning curve in tensorboard, wandb (Weights & Biases) or none.",
             autocompletion=complete.loggers,
         ),
     ] = "tensorboard",
-    resume: Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")] = False,
+    resume: Annotated[bool, Option("--resume", help="Continue the run in the folder.")] = False,
     record: Annotated[
-        str | None,
-        typer.Option(
-            "--record", metavar="FILE", help="The model's verification record; default: beside its file."
-        ),
+        str | None, Option(metavar="FILE", help="The model's verification record; default: beside its file.")
     ] = None,
     unverified: Annotated[
-        bool, typer.Option("--unverified", help="Train in a model that was not compared with measurements.")
+        bool, Option("--unverified", help="Train in a model that was not compared with measurements.")
     ] = False,
-    json: JsonOption = None,
-    force: ForceOption = False,
-    quiet: QuietOption = False,
+    json: options.Json = None,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Train a policy in the normalised simulator, and write it as a bundle into the run's folder.
 
@@ -157,10 +144,9 @@ def train(
         echo(f"{file.name}: {summary(known)}.")
     if against and not unverified:
         raise InputError(
-            "; ".join(against),
-            file=file,
+            "; ".join(against), file=file,
             remedy="make it with `workbench approve`, or train with --unverified",
-        )
+        )  # fmt: skip
     machine = posed(wanted, make_machine(wanted.machine, loaded, variant, law=TRAINING if stiff else None))
     if wanted.suffix == ".py":
         try_task(wanted, machine, Path(task))

@@ -7,35 +7,30 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Argument, Option
 
 from workbench.core import InputError
 
-from . import complete
-from .common import SeedOption, echo
+from . import complete, options
+from .common import echo
 
 
 def ui(
     model: Annotated[
         str | None,
-        typer.Argument(
+        Argument(
             metavar="[MODEL]",
             help="Model file (.toml, .xml or .urdf), or a shipped model's name.",
             autocompletion=complete.models,
         ),
     ] = None,
     recordings: Annotated[
-        list[str] | None, typer.Argument(metavar="[REC...]", help="Recording files (.toml).")
+        list[str] | None, Argument(metavar="[REC...]", help="Recording files (.toml).")
     ] = None,
-    holdout: Annotated[
-        str | None, typer.Option("--holdout", metavar="REC", help="Recording that only tests the fit.")
-    ] = None,
-    port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="Port of the page; 0: any free port.")
-    ] = 0,
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
-    ] = True,
-    seed: SeedOption = 0,
+    holdout: Annotated[str | None, Option(metavar="REC", help="Recording that only tests the fit.")] = None,
+    port: Annotated[int, Option(min=0, max=65535, help="Port of the page; 0: any free port.")] = 0,
+    browser: Annotated[bool, Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+    seed: options.Seed = 0,
 ) -> None:
     """Open the live workbench in the browser, on this machine only, until interrupted.
 

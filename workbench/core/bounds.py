@@ -17,8 +17,7 @@ _HEADROOM = 4 * 2**30  # address space above what is used already; libraries res
 
 @contextmanager
 def bounded(path: Path) -> Iterator[None]:
-    """Turn an allocation by a library that is too large into a one-line error, instead of a machine that
-    swaps.
+    """Turn an allocation by a library that is too large into a one-line error; else the machine swaps.
 
     Raises:
         InputError: the file needs more memory than a table may.

@@ -1,6 +1,4 @@
-"""Linkage parts that drives carry and that are not in the serial tree: the torque they need along a
-motion.
-"""
+"""Linkage parts that drives carry outside the serial tree: the torque they need along a motion."""
 
 from __future__ import annotations
 
@@ -42,8 +40,7 @@ class Carried(Protocol):
     joints: tuple[str, ...]
 
     def at(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> CarriedMotion:
-        """Return motion and torque of the links along a motion of the drives (N, n), without those of
-        rotors.
+        """Return motion and torque of the links along a motion of the drives (N, n), rotors left out.
 
         Raises:
             SimulationError: drives far from where the links can go.

@@ -1,5 +1,4 @@
-"""Functions compiled to machine code, kept on disk in a folder named by a hash of all files with such
-functions.
+"""Functions compiled to machine code, kept on disk in a folder named by a hash of all their files.
 
 numba keeps the code of a caller and does not see that a function of another file, which is part of it, has
 changed. After such a change the folder is another one.

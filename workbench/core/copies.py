@@ -1,6 +1,4 @@
-"""Several effects of a kind in one place, such as harmonics of a ripple: one row in files, with lists of
-numbers.
-"""
+"""Several effects of a kind in one place, such as harmonics: one row in files, lists of numbers."""
 
 from __future__ import annotations
 
@@ -13,8 +11,7 @@ _PLACE = ("effect", "axis", "location")
 
 
 def together(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows of effects, with those of a kind in one place merged: ``{"value": [...], "std":
-    [...]}``.
+    """Return rows of effects, those of a kind in one place merged: ``{"value": [...], "std": [...]}``.
 
     Args:
         rows: mappings with ``effect``, ``axis`` and ``location`` (either may be missing), ``parameters``: a

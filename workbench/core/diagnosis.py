@@ -82,8 +82,7 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):
-    """The missing physical effects, how certain they are, what else they could be, and what to measure
-    next.
+    """The missing physical effects, how certain they are, what else it could be, what to measure next.
 
     Attributes:
         model: the model's name.

@@ -1,5 +1,4 @@
-"""Drive positions as a function of joint positions, for transmissions that change with the posture:
-polynomials.
+"""Drive positions as polynomials of joint positions, where the transmission changes with posture.
 
     q_p = f(q_s),   J(q_s) = d f / d q_s,   q_p' = J q_s',   tau_p = J^-T tau_s
 

@@ -1,6 +1,4 @@
-"""Files: output appears whole or not at all, nothing is overwritten unasked, and unreadable input is
-reported.
-"""
+"""Files: output appears whole or not at all, nothing is overwritten unasked, bad input is reported."""
 
 from __future__ import annotations
 

@@ -25,8 +25,7 @@ class Step:
 
 @dataclass(frozen=True, repr=False)
 class Improvement(Shown):
-    """All steps from a model to one that explains the data; fields shared with its diagnosis mean the
-    same.
+    """All steps from a model to one that explains the data; fields of its diagnosis mean the same.
 
     Attributes:
         steps: effects added, in order: causes, or, where `nearest`, what comes nearest to unknown ones.

@@ -84,8 +84,7 @@ class InverseDynamics:
 
 @dataclass(frozen=True)
 class Outlier:
-    """The signal that exceeds its own noise the most, if noise alone would not exceed it among so many
-    signals.
+    """The signal that exceeds its own noise the most, if noise alone would not among so many signals.
 
     Attributes:
         axis: the axis' name.

@@ -19,23 +19,9 @@ if TYPE_CHECKING:
     from .simulated import SimulatedNetwork
 
 __all__ = [
-    "Feedback",
-    "Host",
-    "Joints",
-    "Limits",
-    "Punctuality",
-    "SafetyState",
-    "Seen",
-    "Setpoints",
-    "SimulatedNetwork",
-    "Target",
-    "VerifyError",
-    "Wanted",
-    "initial",
-    "joints_of",
-    "limits_of",
-    "step",
-]
+    "Feedback", "Host", "Joints", "Limits", "Punctuality", "SafetyState", "Seen", "Setpoints",
+    "SimulatedNetwork", "Target", "VerifyError", "Wanted", "initial", "joints_of", "limits_of", "step",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -1,5 +1,4 @@
-"""An emergency stop on a bus: the button permits motion with every frame; anything else, or silence,
-stops.
+"""An emergency stop on a bus: the button permits motion frame by frame; all else, or silence, stops.
 
 Its frame's first byte is 1 as long as motion is permitted. Every other first byte stops, and so does silence:
 a button whose cable is torn off, or whose battery is empty, is a pressed one.

@@ -68,9 +68,7 @@ class ProcessLog:
 
     @property
     def shift(self) -> float:
-        """Return wall clock minus monotonic time in the stamps of the log [s]; known when the logger is
-        ready.
-        """
+        """Return wall clock minus monotonic time in the stamps of the log [s]; known once it is ready."""
         return float(json.loads(self._log.with_suffix(".clock").read_text().splitlines()[0])["shift"])
 
     def close(self) -> float:

@@ -105,7 +105,5 @@ def let_go(state: Watch, seen: Seen) -> np.ndarray:
 
 
 def base_frozen(seen: Seen) -> bool:
-    """Return whether an inertial unit repeats itself although joints move; its noise makes this
-    impossible.
-    """
+    """Return whether an inertial unit repeats itself while joints move, which its noise rules out."""
     return seen.base_same >= BASE_S and bool((np.abs(seen.velocity) > _MOVES).any())

@@ -60,9 +60,7 @@ class Joints:
         return out
 
     def torque(self, joints: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """Return axis torques (..., n) for joint torques (..., n) at joint positions (..., n), J^-T
-        tau_s [N m].
-        """
+        """Return axis torques (..., n) of joint torques (..., n) at joint positions, J^-T tau_s [N m]."""
         out = joints @ self.inverse
         for at, own in self.maps:
             out[..., at] = own.drive_torque(position[..., at], joints[..., at])

@@ -58,8 +58,7 @@ class Kept:
         return bool(np.isfinite(self._rows[0, -1]).all())
 
     def write(self, log: Path, shift: float) -> None:
-        """Write the rows beside a log; a missed tick repeats the last row; nothing is written if no
-        tick ran.
+        """Write the rows beside a log; a missed tick repeats the last row; without a tick nothing is written.
 
         Args:
             log: of the frames.

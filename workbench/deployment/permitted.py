@@ -62,8 +62,7 @@ def permitted(
 
 
 def refuse_untested(config: CanConfig) -> None:
-    """Refuse an experiment on drives that may not stop by themselves: a tenth of the torque is not enough
-    for it.
+    """Refuse an experiment on drives that may not stop by themselves: a tenth of the torque is too little.
 
     Raises:
         InputError: a drive whose watchdog nobody can read and nobody has tested.

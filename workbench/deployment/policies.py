@@ -24,9 +24,7 @@ _SAME = 1e-6
 
 
 class Tracker:
-    """A controller that follows joint trajectories without a network; until the loop runs, it waits at their
-    start.
-    """
+    """A controller that follows joint trajectories without a network; until the loop runs, it waits."""
 
     def __init__(self, goal: Reach) -> None:
         self._goal, self._begun = goal, np.inf

@@ -110,8 +110,7 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
 
 
 def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> Recording:
-    """Return the recording of an interrupted experiment from its log and ``.begun`` file, up to the
-    interruption.
+    """Return an interrupted experiment's recording, up to there, from its log and ``.begun`` file.
 
     Raises:
         InputError: it broke off before anything was played.

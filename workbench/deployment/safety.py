@@ -117,10 +117,7 @@ def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
 
 def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
     """What is wrong with what is seen, and of which axes."""
-    for whole, said in (
-        (seen.stop, "emergency stop"),
-        (not seen.bus_ok, "bus off or queue full"),
-    ):
+    for whole, said in ((seen.stop, "emergency stop"), (not seen.bus_ok, "bus off or queue full")):
         if whole:
             return said, ()
     moving = state.phase in ("soft_start", "run")
@@ -195,9 +192,7 @@ def _limited(
 
 
 def damping(limits: Limits, q: np.ndarray, off: bool = False) -> Setpoints:
-    """Return setpoints without torque and stiffness: damping at positions q (n,) [rad], or nothing if
-    `off`.
-    """
+    """Return setpoints of damping alone at positions q (n,) [rad], or of nothing if `off`."""
     zero = np.zeros_like(q)
     kd = zero if off else np.minimum(limits.damping, limits.kd)
     return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)

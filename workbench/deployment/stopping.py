@@ -1,6 +1,4 @@
-"""Ends every run with damping: at its end, a fault, a signal, an exception, or the death of the parent
-process.
-"""
+"""Ends every run with damping: at its end, a fault, a signal, an exception, the parent's death."""
 
 from __future__ import annotations
 
@@ -65,8 +63,7 @@ def brought_down(host: Host) -> Iterator[None]:
 
 @contextmanager
 def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
-    """Start what only real hardware needs: a thread beside the policy, a watch on the parent, the input of a
-    button.
+    """Start what only real hardware needs: a thread by the policy, a watch on the parent, the button.
 
     Raises:
         InputError: the button's line cannot be had.
@@ -86,9 +83,7 @@ def orphaned() -> Callable[[], str | None]:
 
 
 def exit_code(result: Mapping[str, Any]) -> int:
-    """Return the exit code of a run: 0 without a fault, 1 with one; if stopped, 128 plus the signal's
-    number, or 130.
-    """
+    """Return a run's exit code: 0, 1 after a fault; if stopped, 128 plus the signal's number, or 130."""
     if not result["stopped"]:
         return 1 if result["fault"] else 0
     stopped_by = result["stopped_by"] or ""

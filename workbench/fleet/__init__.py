@@ -9,13 +9,6 @@ from .store import files_read
 from .table import fleet_table
 
 __all__ = [
-    "Robot",
-    "files_read",
-    "find_robots",
-    "fleet_dict",
-    "fleet_sheet",
-    "fleet_table",
-    "run_fleet",
-    "spread",
+    "Robot", "files_read", "find_robots", "fleet_dict", "fleet_sheet", "fleet_table", "run_fleet", "spread",
     "summarise",
-]
+]  # fmt: skip

@@ -36,8 +36,7 @@ def fingerprint(robot: Robot, seed: int) -> str:
 
 
 def files_read(robots: Sequence[Robot]) -> list[Path]:
-    """Return all files that the results of robots depend on, each once: those of models, recordings and
-    tables.
+    """Return all files that robots' results depend on, each once: of models, recordings and tables.
 
     What is not there is left out: the robot whose recording it is has failed, and says so.
 

@@ -30,10 +30,9 @@ def solve_inputs(
     if bad.any():
         where = frequency[int(np.argmax(bad))]
         raise InputError(
-            f"at {where:.6g} Hz the inputs of the experiments are not independent",
-            file=recording.source,
+            f"at {where:.6g} Hz the inputs of the experiments are not independent", file=recording.source,
             remedy="excite every axis, in experiments that mix them differently (sum and difference)",
-        )
+        )  # fmt: skip
     return back @ np.linalg.inv(cross)
 
 
@@ -44,9 +43,7 @@ def kronecker(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
 
 
 def output_noise(g: np.ndarray, scatter: np.ndarray, ny: int) -> np.ndarray:
-    """Return the scatter of y - G u, (F, ny, ny): without the loop's feedback, with the noise that the plant
-    adds.
-    """
+    """Return the scatter of y - G u, (F, ny, ny): what the plant adds, without the loop's feedback."""
     nu = g.shape[2]
     yy, yu = scatter[:, :ny, :ny], scatter[:, :ny, ny : ny + nu]
     uu = scatter[:, ny : ny + nu, ny : ny + nu]

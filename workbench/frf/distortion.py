@@ -70,11 +70,9 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
     g = frf_of(m, "fast").response
     if not len(m.listening[0]) and not len(m.listening[1]):
         raise InputError(
-            "no line of the band was left unexcited",
-            file=recordings[0].source,
-            column="excitation.lines",
+            "no line of the band was left unexcited", file=recordings[0].source, column="excitation.lines",
             remedy="excite odd lines only, some of them left out (grid 'odd_random')",
-        )
+        )  # fmt: skip
     ny = g.shape[1]
     here = m.at(m.lines)
     free = sum(s.free for s in m.spectra)

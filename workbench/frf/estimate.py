@@ -85,10 +85,9 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     ny, nu, count = len(outputs), len(inputs), len(m.recordings)
     if count < nu:
         raise InputError(
-            f"{counted(count, 'experiment')} for {nu} inputs",
-            file=first.source,
+            f"{counted(count, 'experiment')} for {nu} inputs", file=first.source,
             remedy="record one experiment per axis (sum and difference for two), or name fewer axes",
-        )
+        )  # fmt: skip
     here = m.at(m.lines)
     weight = np.sqrt([s.periods for s in m.spectra])
     z = np.stack([w * s.mean[here] for w, s in zip(weight, m.spectra, strict=True)], axis=2)  # (F, nz, E)
@@ -111,10 +110,9 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     if wanted == "robust":
         if len(sets) < 2:
             raise InputError(
-                "the robust method needs two realisations of the excitation or more",
-                file=first.source,
+                "the robust method needs two realisations of the excitation or more", file=first.source,
                 remedy="record sets with new random phases, or take method 'fast'",
-            )
+            )  # fmt: skip
         covariance, kind = _between(y, u, sets), "response"
         dof = fresh = np.full(len(g), float(len(sets) - 1))
     elif len(m.listening[0]):

@@ -87,9 +87,8 @@ class Design:
             highest = self.lines[-1] * self.rate_hz / rows
             raise InputError(
                 f"the line at {highest:g} Hz is not below half the rate of {self.rate_hz:g} Hz",
-                column="f_max_hz",
-                remedy="lower the band or raise the rate",
-            )
+                column="f_max_hz", remedy="lower the band or raise the rate",
+            )  # fmt: skip
 
     @property
     def period_s(self) -> float:
@@ -106,16 +105,6 @@ class Design:
         """Amplitude times exp(j phase) of every line, shape (E, F, n), in the signal's unit."""
         rows = self.experiments.shape[1]
         return np.fft.rfft(self.experiments, axis=1)[:, self.lines] * (2 / rows)
-
-    @property
-    def amplitudes(self) -> np.ndarray:
-        """Amplitude of every line, shape (E, F, n)."""
-        return np.abs(self.spectrum)
-
-    @property
-    def phases(self) -> np.ndarray:
-        """Phase of every line's cosine [rad], shape (E, F, n)."""
-        return np.angle(self.spectrum)
 
     @property
     def crest_factors(self) -> np.ndarray:

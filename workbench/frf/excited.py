@@ -43,11 +43,10 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
         wanted = np.unique(np.asarray(named if lines is None else lines, int))
         if len(wanted) == 0 or wanted[0] < 1 or wanted[-1] > highest:
             raise InputError(
-                f"lines must lie between 1 and {highest}, half the rate",
-                file=recording.source,
+                f"lines must lie between 1 and {highest}, half the rate", file=recording.source,
                 column="excitation.lines" if lines is None else "lines",
                 remedy="give harmonics of the period, below half of its rows",
-            )
+            )  # fmt: skip
         return wanted
     every = np.arange(1, highest + 1)
     signal = choice.reference or _commanded(recording, choice)
@@ -67,11 +66,10 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     if not grid.any():
         where = f" on the lines that it states ({stated})" if len(found) else ""
         raise InputError(
-            f"no line of {signal} stands out in {recording.name}{where}",
-            file=recording.source,
+            f"no line of {signal} stands out in {recording.name}{where}", file=recording.source,
             column="excitation.lines" if where else "excitation",
             remedy="check its period and band, or name the lines (lines = [3, 7, 11])",
-        )
+        )  # fmt: skip
     return found[grid]
 
 
@@ -100,8 +98,7 @@ def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -
 
 
 def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
-    """Return experiments grouped into complete sets that separate the inputs, one set per realisation of the
-    phases.
+    """Return experiments in complete sets that separate the inputs, one set per realisation of phases.
 
     Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
     that does not say it (one axis driven at a time) they are taken in the order given. Sets that play the
@@ -138,9 +135,7 @@ def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
 
 
 def _alike(drive: np.ndarray) -> np.ndarray:
-    """Return how well the spectra (E, F, n) of two experiments agree up to a factor, by axis, (E, E, n); 0 to
-    1.
-    """
+    """Return how well spectra (E, F, n) of two experiments agree up to a factor, (E, E, n); 0 to 1."""
     size = np.linalg.norm(drive, axis=1)
     product = np.abs(np.einsum("efi,gfi->egi", drive.conj(), drive))
     both = size[:, None] * size[None]
@@ -175,9 +170,7 @@ def _in_band(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
 
 
 def _on_grid(lines: np.ndarray, size: np.ndarray, stated: str | None) -> np.ndarray:
-    """Return which lines (F,), with these amplitudes (F,), lie on the grid that the recording states, (F,)
-    bool.
-    """
+    """Return which lines (F,) with these amplitudes (F,) are on the recording's grid, (F,) bool."""
     if stated in ("odd", "odd_random"):
         return lines % 2 == 1
     if stated is None or not stated.startswith("every_"):

@@ -21,8 +21,7 @@ _BINS = (12, 48)  # beside each line: at least and at most
 def spectra_between(
     columns: np.ndarray, rows: int, lines: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Return the mean spectrum of the periods without leakage, the noise's covariance and its degrees of
-    freedom.
+    """Return the periods' mean spectrum without leakage, the noise's covariance, degrees of freedom.
 
     Args:
         columns: P whole periods, P >= 2, shape (P rows, nz).

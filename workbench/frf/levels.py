@@ -41,9 +41,7 @@ def excited_levels(spectra: np.ndarray, lines: np.ndarray) -> np.ndarray:
 
 
 def _above_step(size: np.ndarray) -> np.ndarray:
-    """Return the lines above the first large step of the sorted sizes, (L,) bool; without a step, all but
-    zeros.
-    """
+    """Return the lines above the first large step of the sorted sizes, (L,) bool; else all but zeros."""
     order = np.sort(size[size > 0])[::-1]
     steps = np.flatnonzero(order[:-1] > _STEP * order[1:])
     steps = steps[steps >= _FEWEST - 1]

@@ -16,13 +16,12 @@ Predict = Callable[[Design], Mapping[str, np.ndarray]]
 
 _SMALLEST = 1e-3  # a design shrunk further than this measures nothing
 _TRIES = 25
+_MARGIN = 0.05  # share of the room that is kept free
 
 
 @dataclass(frozen=True)
 class Limit:
-    """The range of one signal: `quantity` (position, speed, torque), `name` of its axis or joint, lowest and
-    highest.
-    """
+    """The range of a signal: `quantity` (position, speed, torque), `name` of axis or joint, low, high."""
 
     quantity: str
     name: str
@@ -51,9 +50,7 @@ class Scaled:
     usage: Mapping[Limit, float]
 
 
-def scale_to_limits(
-    design: Design, simulate: Predict, limits: Sequence[Limit], *, margin: float = 0.05
-) -> Scaled:
+def scale_to_limits(design: Design, simulate: Predict, limits: Sequence[Limit]) -> Scaled:
     """Return a design shrunk until its predicted signals stay within limits; it is never made larger.
 
     The response need not be proportional (gravity, saturation): every new size is simulated.
@@ -63,14 +60,13 @@ def scale_to_limits(
         simulate: predicts, for a design, every quantity that has limits: (rows, columns), the rows of all
             experiments one after another, the first at rest; columns in the order of that quantity's limits.
         limits: where the signals may go.
-        margin: share of the room that is kept free.
 
     Raises:
         InputError: a limit is broken at rest already, or stays broken however small the excitation is.
     """
     if not limits:
         return Scaled(design, 1.0, None, {})
-    goal = 1.0 - margin
+    goal = 1.0 - _MARGIN
     factor, inside, outside = 1.0, None, (np.inf, np.inf)
     worst = limits[0]
     for _ in range(_TRIES):
@@ -100,9 +96,8 @@ def scale_to_limits(
         return inside
     raise InputError(
         f"the limit on {worst} is passed even when the excitation is {factor:.2g} of its size",
-        column=worst.name,
-        remedy="choose another posture or a wider limit",
-    )
+        column=worst.name, remedy="choose another posture or a wider limit",
+    )  # fmt: skip
 
 
 def _try(design: Design, factor: float, simulate: Predict, limits: Sequence[Limit]) -> Scaled:

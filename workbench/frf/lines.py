@@ -13,9 +13,10 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.text import counted
 
 Grid = Literal["full", "odd", "odd_random"]
+
+_GROUP = 4  # consecutive odd lines of which one stays silent
 
 
 def select_lines(
@@ -25,7 +26,6 @@ def select_lines(
     *,
     grid: Grid = "full",
     per_decade: int | None = None,
-    group: int = 4,
     seed: int = 0,
 ) -> np.ndarray:
     """Return the harmonic numbers of the excited lines, ascending; line k is at k / period_s.
@@ -33,10 +33,9 @@ def select_lines(
     Args:
         f_min_hz, f_max_hz: band [Hz], both ends included.
         period_s: period of the excitation [s].
-        grid: ``"full"``, ``"odd"``, or ``"odd_random"`` (of each `group` of consecutive odd lines one,
-            drawn with `seed`, stays silent).
+        grid: ``"full"``, ``"odd"``, or ``"odd_random"`` (of each four consecutive odd lines one, drawn
+            with `seed`, stays silent).
         per_decade: lines per decade of a quasi-logarithmic choice from the grid; None takes them all.
-        group: odd lines in a group, at least 2.
         seed: draws the silent lines.
 
     Returns:
@@ -52,9 +51,6 @@ def select_lines(
         raise InputError(problem, column="f_min_hz", remedy="give 0 < f_min_hz <= f_max_hz")
     if per_decade is not None and per_decade < 1:
         raise InputError(f"{per_decade} lines per decade", column="per_decade", remedy="give one or more")
-    if group < 2:
-        problem = f"groups of {counted(group, 'line')}, of which one is left out,"
-        raise InputError(f"{problem} excite nothing", column="group", remedy="give two or more")
     first = int(np.ceil(f_min_hz * period_s * (1 - 1e-9)))
     last = int(np.floor(f_max_hz * period_s * (1 + 1e-9)))
     lines = np.arange(max(first, 1), last + 1)
@@ -62,13 +58,12 @@ def select_lines(
     if per_decade is not None and len(lines):
         lines = _quasi_logarithmic(lines, per_decade)
     if grid == "odd_random":
-        lines = _leave_out(lines, group, seed)
+        lines = _leave_out(lines, seed)
     if len(lines) == 0:
         raise InputError(
             f"no {grid} line between {f_min_hz:g} and {f_max_hz:g} Hz in a period of {period_s:g} s",
-            column="period_s",
-            remedy="lengthen the period or widen the band",
-        )
+            column="period_s", remedy="lengthen the period or widen the band",
+        )  # fmt: skip
     return lines
 
 
@@ -100,9 +95,9 @@ def _quasi_logarithmic(lines: np.ndarray, per_decade: int) -> np.ndarray:
     return np.unique(lines[above - nearer])
 
 
-def _leave_out(lines: np.ndarray, group: int, seed: int) -> np.ndarray:
+def _leave_out(lines: np.ndarray, seed: int) -> np.ndarray:
     """Return the lines without one, drawn at random, of every complete group of consecutive lines."""
-    whole = len(lines) // group * group
-    places = np.random.default_rng(seed).integers(0, group, whole // group)
-    silent = np.arange(0, whole, group) + places
+    whole = len(lines) // _GROUP * _GROUP
+    places = np.random.default_rng(seed).integers(0, _GROUP, whole // _GROUP)
+    silent = np.arange(0, whole, _GROUP) + places
     return np.delete(lines, silent)

@@ -133,18 +133,14 @@ def _band(
     top = f_max_hz if f_max_hz is not None else min(high, default=0.45 * rate)
     if not (0 <= bottom < top):
         raise InputError(
-            f"a band from {bottom:g} to {top:g} Hz",
-            file=first.source,
-            column="f_min_hz",
+            f"a band from {bottom:g} to {top:g} Hz", file=first.source, column="f_min_hz",
             remedy="give 0 <= f_min_hz < f_max_hz",
-        )
+        )  # fmt: skip
     if 2 * top >= rate:
         raise InputError(
-            f"the band reaches {top:g} Hz where half the rate is {rate / 2:g} Hz",
-            file=first.source,
-            column="f_max_hz",
-            remedy="lower it or log faster",
-        )
+            f"the band reaches {top:g} Hz where half the rate is {rate / 2:g} Hz", file=first.source,
+            column="f_max_hz", remedy="lower it or log faster",
+        )  # fmt: skip
     return np.arange(max(1, int(np.ceil(bottom * rows / rate))), int(top * rows / rate) + 1)
 
 

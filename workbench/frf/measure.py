@@ -87,10 +87,8 @@ def measure(
         if transient_periods is not None and not 0 <= transient_periods <= span.count - 2:
             raise InputError(
                 f"{transient_periods} transient periods leave fewer than two of {span.count}",
-                file=span.recording.source,
-                column="transient_periods",
-                remedy="drop fewer, or record more",
-            )
+                file=span.recording.source, column="transient_periods", remedy="drop fewer, or record more",
+            )  # fmt: skip
         s = reduce(span.columns(), rows, every, np.isin(every, excited), transient_periods, leakage)
         spectra.append(s)
         used = span.recording.position[span.last - round(s.periods * period) : span.last]

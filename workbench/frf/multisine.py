@@ -66,10 +66,9 @@ def multisine(
     # before any line is made: of a band far beyond the rate there would be too many to hold
     if np.isfinite(f_max_hz) and f_max_hz >= rate_hz / 2:
         raise InputError(
-            f"lines up to {f_max_hz:g} Hz at a rate of {rate_hz:g} Hz",
-            column="f_max_hz",
+            f"lines up to {f_max_hz:g} Hz at a rate of {rate_hz:g} Hz", column="f_max_hz",
             remedy=f"lower f_max_hz below {rate_hz / 2:g} Hz, or raise the rate",
-        )
+        )  # fmt: skip
     lines = select_lines(f_min_hz, f_max_hz, period_s, grid=grid, per_decade=per_decade, seed=seed)
     if 2 * lines[-1] >= rows:
         problem = f"lines up to {f_max_hz:g} Hz at a rate of {rate_hz:g} Hz"
@@ -141,9 +140,8 @@ def _rows(period_s: float, rate_hz: float) -> int:
     if rows < 4 or abs(rows - period_s * rate_hz) > 1e-6 * rows:
         raise InputError(
             f"a period of {period_s:g} s is {period_s * rate_hz:g} samples at {rate_hz:g} Hz",
-            column="period_s",
-            remedy=f"take a whole number of samples, e.g. {max(rows, 4) / rate_hz:.9g} s",
-        )
+            column="period_s", remedy=f"take a whole number of samples, e.g. {max(rows, 4) / rate_hz:.9g} s",
+        )  # fmt: skip
     return rows
 
 

@@ -86,9 +86,7 @@ def _longest_stretch(reference: np.ndarray, period: int, tolerance: float) -> tu
 
 
 def _autocorrelation(columns: np.ndarray) -> np.ndarray:
-    """Return the correlation of a signal with itself by lag, averaged over columns; each lag over its own
-    rows.
-    """
+    """Return a signal's correlation with itself by lag, mean of columns; each lag over its own rows."""
     rows = len(columns)
     size = 2 ** int(np.ceil(np.log2(2 * rows)))
     power = np.abs(np.fft.rfft(columns, size, axis=0)) ** 2

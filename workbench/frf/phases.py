@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+_ROUNDS = 400  # of clipping
+
 
 def schroeder_phases(lines: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
     """Return phases that spread the power of a multisine evenly over its period.
@@ -28,7 +30,7 @@ def schroeder_phases(lines: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
     return np.concatenate([[0.0], -2 * np.pi * np.cumsum(steps / spacing * share[:-1])])
 
 
-def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tries: int = 400) -> np.ndarray:
+def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int) -> np.ndarray:
     """Return phases with a lower crest factor than Schroeder's where lines are sparse or irregular.
 
     Clips the signal, keeps the phases that the clipped signal has, restores the amplitudes, again. E. Van der
@@ -39,7 +41,6 @@ def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tr
         lines: harmonics, ascending, shape (F,).
         amplitudes: of each line, shape (F,).
         rows: samples per period.
-        tries: rounds of clipping.
 
     Returns:
         The best phases met [rad], shape (F,); never worse than Schroeder's.
@@ -49,13 +50,13 @@ def low_crest_phases(lines: np.ndarray, amplitudes: np.ndarray, rows: int, *, tr
     grid = grid if 2 * lines[-1] < grid else rows
     best = phases = schroeder_phases(lines, amplitudes)
     lowest = np.inf
-    for k in range(tries):
+    for k in range(_ROUNDS):
         signal = synthesise(lines, amplitudes * np.exp(1j * phases), grid)
         crest = float(crest_factor(signal))
         if crest < lowest:
             lowest, best = crest, phases
         # clip hard at first to get away from where we are, then ever less
-        level = np.abs(signal).max() * (0.75 + 0.24 * k / tries)
+        level = np.abs(signal).max() * (0.75 + 0.24 * k / _ROUNDS)
         phases = np.angle(np.fft.rfft(np.clip(signal, -level, level))[lines])
     return best
 
@@ -86,8 +87,7 @@ def synthesise(lines: np.ndarray, spectrum: np.ndarray, rows: int) -> np.ndarray
 
 
 def crest_factor(signal: np.ndarray) -> np.ndarray:
-    """Return the largest magnitude over the root mean square, along the last axis; 0 for a signal that is
-    zero.
+    """Return the largest magnitude over the root mean square, along the last axis; 0 for a zero signal.
 
     A sine has 1.41, a Schroeder multisine with all lines about 1.7, one with random phases about 3 to 4.
     """

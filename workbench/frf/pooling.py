@@ -44,9 +44,7 @@ def pooled_covariance(
 
 
 def _level(log_power: np.ndarray, x: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the level at each line by local straight lines in log-log, (F,), and the weight of each line in
-    its own, (F,).
-    """
+    """Return the level of each line by local lines in log-log, (F,), and each line's own weight, (F,)."""
     count = len(x)
     rows = np.arange(count)
     least = int(np.ceil(0.5 * _LEVEL / max(float(np.min(residuals)), 1e-9)))

@@ -11,20 +11,20 @@ from workbench.core import Recording
 from .estimate import estimate
 from .response import Frf
 
+_NEAR = 0.05  # of one posture, on every axis, from the first of its recordings [rad or m]
 
-def group_by_posture(recordings: Sequence[Recording], tolerance: float = 0.05) -> list[list[Recording]]:
-    """Return groups of recordings whose mean measured positions agree, in the order in which the postures
-    first appear.
+
+def group_by_posture(recordings: Sequence[Recording]) -> list[list[Recording]]:
+    """Return groups of recordings whose mean positions agree, in order of the postures' first appearance.
 
     Args:
         recordings: with the same axes.
-        tolerance: largest difference on any axis from the first of a group [rad or m].
     """
     groups: list[tuple[np.ndarray, list[Recording]]] = []
     for recording in recordings:
         mean = recording.position[recording.valid].mean(axis=0)
         for posture, members in groups:
-            if posture.shape == mean.shape and np.abs(mean - posture).max() <= tolerance:
+            if posture.shape == mean.shape and np.abs(mean - posture).max() <= _NEAR:
                 members.append(recording)
                 break
         else:
@@ -32,13 +32,10 @@ def group_by_posture(recordings: Sequence[Recording], tolerance: float = 0.05) -
     return [members for _, members in groups]
 
 
-def estimate_postures(
-    recordings: Sequence[Recording], *, tolerance: float = 0.05, **options: object
-) -> list[Frf]:
+def estimate_postures(recordings: Sequence[Recording], **options: object) -> list[Frf]:
     """Return one response per posture; `options` are those of `estimate`.
 
     Raises:
         InputError: as `estimate`, for any of the postures.
     """
-    groups = group_by_posture(recordings, tolerance)
-    return [estimate(group, **options) for group in groups]  # type: ignore[arg-type]
+    return [estimate(group, **options) for group in group_by_posture(recordings)]  # type: ignore[arg-type]

@@ -10,8 +10,8 @@ import numpy as np
 from workbench.core import AXIS_SIGNALS, InputError, Recording
 from workbench.recordings.resample import looks_held
 
+from .channel import Channel
 from .period import find_period
-from .response import Channel
 
 _UNITS = {
     "rad": {"position": "rad", "velocity": "rad/s", "torque": "N m"},
@@ -144,11 +144,9 @@ def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: fl
     found = find_period(first.signals[signal][:, choice.place])
     if found is None:
         raise InputError(
-            f"no period shows in {signal}",
-            file=first.source,
-            column="excitation.period_s",
+            f"no period shows in {signal}", file=first.source, column="excitation.period_s",
             remedy="state it there, or record an excitation that repeats: workbench excite",
-        )
+        )  # fmt: skip
     return found
 
 
@@ -157,11 +155,10 @@ def check_rows(recording: Recording, choice: Choice, first: int, last: int) -> N
     masked = ~recording.valid[first:last]
     if masked.any():
         raise InputError(
-            f"{int(masked.sum())} rows are masked in the periods of {recording.name}",
-            file=recording.source,
+            f"{int(masked.sum())} rows are masked in the periods of {recording.name}", file=recording.source,
             row=first + int(np.argmax(masked)) + 1,
             remedy="cut the recording there; a frequency response needs whole periods without gaps",
-        )
+        )  # fmt: skip
     for signal in choice.signals:
         values = recording.signals[signal][first:last, choice.place]
         # a sum is finite where all are, and takes no memory
@@ -169,11 +166,9 @@ def check_rows(recording: Recording, choice: Choice, first: int, last: int) -> N
             row, column = np.argwhere(~np.isfinite(values))[0]
             raise InputError(
                 f"{signal} of axis '{recording.axes[choice.axes[column]]}' is not a number",
-                file=recording.source,
-                column=signal,
-                row=first + int(row) + 1,
+                file=recording.source, column=signal, row=first + int(row) + 1,
                 remedy="cut the recording there",
-            )
+            )  # fmt: skip
 
 
 def _check_alike(first: Recording, other: Recording) -> None:
@@ -201,11 +196,9 @@ def _check_there(recording: Recording, signal: str) -> None:
     if values is None:
         have = ", ".join(recording.signals)
         raise InputError(
-            f"{recording.name} has no {signal}",
-            file=recording.source,
-            column=f"columns.{signal}",
+            f"{recording.name} has no {signal}", file=recording.source, column=f"columns.{signal}",
             remedy=f"name its column, or choose from {have}",
-        )
+        )  # fmt: skip
     if values.shape != (len(recording), len(recording.axes)):
         problem = f"{signal} has shape {values.shape} for {len(recording)} rows"
         raise InputError(problem, file=recording.source, column=signal, remedy="give one column per axis")

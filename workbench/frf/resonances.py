@@ -12,6 +12,7 @@ from workbench.core import Estimate, InputError
 
 from .response import Frf
 
+_LINES = 4  # to each side that are fitted at least; a well damped one takes more
 _WIDEST = 0.3  # damping ratio beyond which a top or dip is none
 
 
@@ -26,7 +27,7 @@ class Resonance:
 
 
 def find_resonances(
-    frf: Frf, output: int = 0, input: int = 0, *, prominence_db: float = 3.0, lines: int = 4
+    frf: Frf, output: int = 0, input: int = 0, *, prominence_db: float = 3.0
 ) -> list[Resonance]:
     """Return peaks and dips of the acceleration that a response implies, lowest frequency first.
 
@@ -37,14 +38,12 @@ def find_resonances(
         frf: measured response.
         output, input: which entry.
         prominence_db: how far a top or dip stands out of its surroundings, beside four deviations of noise.
-        lines: lines to each side that are fitted; as many more as a well damped one takes.
 
     Raises:
         InputError: fewer lines than a fit needs.
     """
-    if len(frf) < 2 * lines + 1 or lines < 2:
-        problem = f"{len(frf)} lines are too few for fits over {2 * lines + 1}"
-        raise InputError(problem, remedy="excite more lines, or fit over fewer")
+    if len(frf) < 2 * _LINES + 1:
+        raise InputError(f"{len(frf)} lines are too few for fits over {2 * _LINES + 1}", remedy="excite more")
     g, std = frf.response[:, output, input], frf.std[:, output, input]
     derivatives = {"velocity": 1, "velocity_reference": 1}.get(frf.outputs[output].signal, 2)
     size = np.abs(g)
@@ -55,21 +54,19 @@ def find_resonances(
         places, properties = scipy.signal.find_peaks(sign * level, prominence=prominence_db)
         for place, prominence in zip(places, properties["prominences"], strict=True):
             # the neighbours' noise as well: a top that noise made looks sure of itself
-            near = slice(max(place - lines, 0), place + lines + 1)
+            near = slice(max(place - _LINES, 0), place + _LINES + 1)
             if prominence > 4 * max(noise[place], np.median(noise[near])):
-                found += _first_fitted(frf, g, std, int(place), kind, lines)
+                found += _first_fitted(frf, g, std, int(place), kind)
     return sorted(found, key=lambda r: r.frequency.value)
 
 
-def _first_fitted(
-    frf: Frf, g: np.ndarray, std: np.ndarray, place: int, kind: str, lines: int
-) -> list[Resonance]:
+def _first_fitted(frf: Frf, g: np.ndarray, std: np.ndarray, place: int, kind: str) -> list[Resonance]:
     """Return the fit over the narrowest band that contains the whole peak or dip: a damped one is wide."""
-    width = lines
+    width = _LINES
     while 2 * width + 1 <= len(frf):
         fitted = _fitted(frf, g, std, place, kind, width)
         # over a wide stretch a polynomial makes a root of anything
-        if fitted is not None and (width == lines or abs(fitted.damping.value) < _WIDEST):
+        if fitted is not None and (width == _LINES or abs(fitted.damping.value) < _WIDEST):
             return [fitted]
         width *= 2
     return []

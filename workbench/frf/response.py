@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from workbench.core import InputError
-
+from .channel import Channel, place_of
 from .pooling import pooled_covariance
-from .statistics import distance, entry_radius, real_halfwidth
-
-if TYPE_CHECKING:
-    from control import FrequencyResponseData
-
+from .statistics import real_halfwidth
 
 _BY_LINE = (
     "frequency",
@@ -28,18 +23,6 @@ _BY_LINE = (
     "leverage",
     "coherence",
 )
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One input or output: `signal` of a recording, its `axis`, and the SI `unit`."""
-
-    signal: str
-    axis: str
-    unit: str
-
-    def __str__(self) -> str:
-        return f"{self.signal}_{self.axis}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,50 +98,18 @@ class Frf:
     @property
     def std(self) -> np.ndarray:
         """Return the standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
-        return _std(self.covariance, self.response.shape)
-
-    @property
-    def noise_std(self) -> np.ndarray:
-        """Return the same for noise alone, (F, ny, nu)."""
-        return _std(self.noise_covariance, self.response.shape)
+        return np.sqrt(np.einsum("fii->fi", self.covariance).real).reshape(self.response.shape)
 
     @property
     def wishart_size(self) -> int:
         """Return the number of rows of the matrix that the residuals estimated."""
         return len(self.outputs) if self.estimated == "outputs" else len(self.outputs) * len(self.inputs)
 
-    def radius(self, level: float = 0.95) -> np.ndarray:
-        """Return the radius of the disc about each entry that contains the true one with probability `level`,
-        (F, ny, nu).
-        """
-        return entry_radius(self.std**2, self.dof[:, None, None], level)
-
     def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lower and upper end for the magnitude, each (F, ny, nu)."""
+        """Return the lower and upper end for the magnitude at this probability, each (F, ny, nu)."""
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
-
-    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lower and upper end for the phase [rad], each (F, ny, nu); a full turn where nothing is
-        known.
-        """
-        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
-        size = np.abs(self.response)
-        known = half < size
-        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
-        phase = np.angle(self.response)
-        return phase - turn, phase + turn
-
-    def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far a model's response (F, ny, nu) is from this one, all entries of a line together.
-
-        Returns:
-            ``(T, p)``, each (F,): squared distance in deviations, and the chance of a larger one if the
-            model were true (NaN where too few residuals are behind the covariance).
-        """
-        d = (self.response - model).reshape(len(self), -1)
-        return distance(d, self.covariance, self.dof, self.wishart_size)
 
     def select(self, outputs: Sequence[str | int], inputs: Sequence[str | int]) -> Frf:
         """Return some outputs and inputs, by number or by axis name.
@@ -166,8 +117,8 @@ class Frf:
         Raises:
             InputError: a name that is not there, or stands for several.
         """
-        rows = [_place(o, self.outputs) for o in outputs]
-        columns = [_place(i, self.inputs) for i in inputs]
+        rows = [place_of(o, self.outputs) for o in outputs]
+        columns = [place_of(i, self.inputs) for i in inputs]
         entries = np.add.outer(np.array(rows) * len(self.inputs), np.array(columns)).ravel()
         block = np.ix_(np.arange(len(self)), entries, entries)
         return replace(
@@ -180,20 +131,6 @@ class Frf:
             outputs=tuple(self.outputs[r] for r in rows),
             inputs=tuple(self.inputs[c] for c in columns),
         )
-
-    def within(self, f_min_hz: float = 0.0, f_max_hz: float = np.inf) -> Frf:
-        """Return the lines of a band [Hz], both ends included.
-
-        Raises:
-            InputError: the band holds no line.
-        """
-        keep = (self.frequency >= f_min_hz) & (self.frequency <= f_max_hz)
-        if not keep.any():
-            problem = f"no line of the response lies between {f_min_hz:g} and {f_max_hz:g} Hz"
-            raise InputError(
-                problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
-            )
-        return self.kept(keep)
 
     def kept(self, lines: np.ndarray) -> Frf:
         """Return some of the lines, by number or (F,) bool."""
@@ -225,8 +162,7 @@ class Frf:
         )
 
     def smoothed(self, lines: int) -> Frf:
-        """Return the response with covariances averaged over `lines` lines to each side and the residuals of
-        all of them.
+        """Return the response with covariances averaged over `lines` lines to each side, residuals pooled.
 
         Few periods or realisations leave a scattered (or singular) covariance. What is averaged is the
         covariance of the outputs, whose spectrum varies slowly with frequency, and each line's own inputs
@@ -255,34 +191,6 @@ class Frf:
             noise_dof=noise_dof,
             notes=(*self.notes, note),
         )
-
-    def to_control(self) -> FrequencyResponseData:
-        """Return the response for python-control: ``frdata[output, input, frequency]``, frequencies in
-        rad/s.
-        """
-        from control import FrequencyResponseData
-
-        return FrequencyResponseData(
-            np.moveaxis(self.response, 0, -1),
-            self.omega,
-            inputs=[str(c) for c in self.inputs],
-            outputs=[str(c) for c in self.outputs],
-        )
-
-
-def _std(covariance: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    return np.sqrt(np.einsum("fii->fi", covariance).real).reshape(shape)
-
-
-def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:
-    if isinstance(wanted, int):
-        return wanted
-    found = [k for k, c in enumerate(channels) if wanted in (c.axis, str(c))]
-    if len(found) != 1:
-        known = ", ".join(str(c) for c in channels)
-        what = "is not a signal of this response" if not found else "stands for several signals"
-        raise InputError(f"'{wanted}' {what}", remedy=f"choose from {known}")
-    return found[0]
 
 
 def _across(one: np.ndarray, factors: np.ndarray) -> np.ndarray:

@@ -52,9 +52,7 @@ def distortion_covariance(
 
 
 def residuals(m: Measured, g: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return y - G u of every experiment's mean (E, A, ny) at unexcited lines, and the covariance of its
-    noise (A, ny, ny).
-    """
+    """Return y - G u of each experiment's mean (E, A, ny) at silent lines, its covariance (A, ny, ny)."""
     ny, nu = g.shape[1:]
     there = m.at(lines)
     flat = g.reshape(len(g), -1)

@@ -78,9 +78,8 @@ def whole_periods(recording: Recording, choice: Choice, period: float) -> Span:
     if rows < 4 or count < 2:
         raise InputError(
             f"{counted(count, 'whole period')} of {period * recording.period:.6g} s in {recording.name}",
-            file=recording.source,
-            remedy="record two or more: workbench excite --periods",
-        )
+            file=recording.source, remedy="record two or more: workbench excite --periods",
+        )  # fmt: skip
     length = count * rows if whole else min(int(np.ceil(count * period)) + 1, last - first)
     check_rows(recording, choice, last - length, last)
     return Span(recording, choice, period, rows, last - length, last, count)

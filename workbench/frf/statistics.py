@@ -12,51 +12,23 @@ import numpy as np
 import scipy
 
 
-def entry_radius(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
-    """Return the radius of the disc that contains one complex number with probability `level`.
+def real_halfwidth(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
+    """Return half the interval that contains one real component of a complex number.
 
     Args:
-        variance: estimated E |error|^2, any shape.
+        variance: estimated E |error|^2 of the complex number, any shape.
         dof: complex residuals behind it, broadcast against `variance`.
-        level: probability, 0 to 1.
+        level: probability of the interval, 0 to 1.
     """
-    return np.sqrt(variance * scipy.stats.f.ppf(level, 2, 2 * np.asarray(dof)))
-
-
-def real_halfwidth(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
-    """Return half the interval of one real component of a complex number; arguments as `entry_radius`."""
     return np.sqrt(variance / 2) * scipy.stats.t.ppf(0.5 + 0.5 * level, 2 * np.asarray(dof))
 
 
-def distance(
-    deviation: np.ndarray, covariance: np.ndarray, dof: np.ndarray | float, size: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far deviations are from zero, all entries together (Hotelling).
-
-    Args:
-        deviation: shape (F, m), complex.
-        covariance: its estimated covariance, shape (F, m, m).
-        dof: complex residuals behind the covariance, shape (F,) or a number.
-        size: rows of the matrix that these residuals estimated: m, or fewer where the covariance is a
-            Kronecker product with a known matrix.
-
-    Returns:
-        ``(T, p)``, each (F,): deviation^H covariance^-1 deviation, and the chance of a larger one. p is NaN
-        where there are fewer residuals than `size`.
-    """
-    m = deviation.shape[1]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        t = np.real(np.einsum("fi,fi->f", deviation.conj(), _solve(covariance, deviation)))
-        left = np.asarray(dof, float) - size + 1
-        p = scipy.stats.f.sf(t * left / (np.asarray(dof, float) * m), 2 * m, 2 * left)
-    return t, np.where(left > 0, p, np.nan)
-
-
 def expected_distance(m: int, dof: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and variance of `distance`'s T for a true model, each like `dof`; infinite for too few
-    residuals.
+    """Return mean and variance of Hotelling's T of a true model, each like `dof`; infinite for too few.
 
-    The mean of an inverted complex Wishart matrix is its true inverse times dof / (dof - size).
+    T is d^H covariance^-1 d of m deviations d; `size`: rows of the matrix that the residuals estimated (fewer
+    than m where the covariance is a Kronecker product with a known matrix). The mean of an inverted complex
+    Wishart matrix is its true inverse times dof / (dof - size).
     """
     dof = np.asarray(dof, float)
     d1, d2 = 2.0 * m, 2.0 * (dof - size + 1)
@@ -77,7 +49,3 @@ def information_loss(dof: np.ndarray, size: int) -> np.ndarray:
     left = np.asarray(dof, float) - size
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(left > 1, np.asarray(dof, float) ** 2 / (left**2 - 1), np.inf)
-
-
-def _solve(covariance: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    return np.linalg.solve(covariance, vector[:, :, None])[:, :, 0]

@@ -11,21 +11,7 @@ from .result import ActuatorIdentification, LegIdentification
 from .two_mass import fit_two_mass
 
 __all__ = [
-    "ActuatorIdentification",
-    "Fit",
-    "LegIdentification",
-    "actuator_figure",
-    "actuator_sheet",
-    "check_physical",
-    "fit_actuator",
-    "fit_figure",
-    "fit_leg",
-    "fit_two_mass",
-    "identify_actuator",
-    "identify_leg",
-    "leg_sheet",
-    "readable",
-    "serial_form",
-    "with_actuator",
-    "with_leg",
-]
+    "ActuatorIdentification", "Fit", "LegIdentification", "actuator_figure", "actuator_sheet",
+    "check_physical", "fit_actuator", "fit_figure", "fit_leg", "fit_two_mass", "identify_actuator",
+    "identify_leg", "leg_sheet", "readable", "serial_form", "with_actuator", "with_leg",
+]  # fmt: skip

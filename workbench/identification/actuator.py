@@ -12,9 +12,10 @@ from workbench.frf.sampled import System, second_order
 from .fit import Fit, Parameter, Problem, solve
 
 _STARTS = 4
+_LONGEST = 0.03  # delay that is looked for [s]
 
 
-def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
+def fit_actuator(frf: Frf) -> Fit:
     """Fit exp(-s T) / (J s + B), the torque-to-velocity response of a drive.
 
     From the torque *command*, T is the delay of the command path. From the *measured* torque, which lies
@@ -23,7 +24,6 @@ def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
 
     Args:
         frf: one input (a torque), one output (velocity or position) of one axis; see `Frf.select`.
-        delay_max_s: largest delay to look for [s].
 
     Returns:
         Parameters ``inertia`` [kg m^2 or kg], ``damping`` [N m s/rad or N s/m], ``delay`` [s].
@@ -42,7 +42,7 @@ def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
     parameters = (
         Parameter("inertia", "kg" if linear else "kg m^2", 1e-12),
         Parameter("damping", "N s/m" if linear else "N m s/rad", 0.0),
-        Parameter("delay", "s", least, delay_max_s),
+        Parameter("delay", "s", least, _LONGEST),
     )
     zero = np.zeros((1, 1))
     rows = np.array([[0.0, 1.0]] if moves == "velocity" else [[1.0, 0.0]])
@@ -56,7 +56,7 @@ def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
     notes = ()
     if frf.inputs[0].signal == "torque_measured":
         notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
-    starts = [np.array([*np.maximum(x, 1e-6), delay]) for x, delay in _starts(frf, moves, least, delay_max_s)]
+    starts = [np.array([*np.maximum(x, 1e-6), delay]) for x, delay in _starts(frf, moves, least, _LONGEST)]
     return solve(Problem("actuator", parameters, (frf,), (system,), starts, {}, notes))
 
 

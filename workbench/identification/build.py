@@ -46,8 +46,7 @@ def with_actuator(model: Model, *found: ActuatorIdentification) -> Model:
 
 
 def with_leg(model: Model, found: LegIdentification) -> Model:
-    """Return the model as S3N-Full: the actuators' share and the serial tree's subtracted once (Eqs. 15
-    and 19).
+    """Return the model as S3N-Full: actuators' share and serial tree subtracted once (Eqs. 15 and 19).
 
     Args:
         model: with its actuators and its serial tree.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -16,33 +15,25 @@ from .actuator import delays, motion_of, to_velocity
 from .fit import Fit, Parameter, Problem, solve
 
 _STARTS = 3
+_LONGEST = 0.03  # delay that is looked for [s]
 
 
-def fit_leg(
-    frfs: Frf | Sequence[Frf],
-    *,
-    transmission: np.ndarray | None = None,
-    gravity: Literal["sine", "free", "none"] = "sine",
-    delay_max_s: float = 0.03,
-) -> Fit:
+def fit_leg(frfs: Frf | Sequence[Frf], *, transmission: np.ndarray | None = None) -> Fit:
     """Fit [[M11, M12 cos a], [M12 cos a, M22]] q'' + D q' + K q = tau(t - T) to all postures at once.
 
     In actuator coordinates: q1 the thigh's and q2 the shank's absolute angle from straight down,
     a = q2 - q1 (paper, Eq. 9), each taken from the mean measured position of its recordings. D is diagonal;
-    K is what gravity adds about the posture. Velocity-dependent terms vanish about rest, and the hold of a
-    sampled command is part of the model.
+    K = diag(g1 cos q1, g2 cos q2) is what gravity adds about the posture. Velocity-dependent terms vanish
+    about rest, and the hold of a sampled command is part of the model.
 
     Args:
         frfs: responses of both axes, 2 x 2, one per posture; M12 and the diagonal come apart wherever cos a
             is not zero.
         transmission: J of q_p = J q_s, (2, 2), for responses in joint coordinates.
-        gravity: ``"sine"``: K = diag(g1 cos q1, g2 cos q2), two unknowns in all; ``"free"``: two
-            stiffnesses a posture; ``"none"``.
-        delay_max_s: largest delay to look for [s].
 
     Returns:
         Parameters ``M11``, ``M12``, ``M22`` [kg m^2], ``damping_1``, ``damping_2`` [N m s/rad], ``delay``
-        [s], and ``g1``, ``g2`` [N m] or ``stiffness_1_at_0``, ... [N m/rad].
+        [s], and ``g1``, ``g2`` [N m].
 
     Raises:
         InputError: no response, one that is not 2 x 2, or joint coordinates without a transmission.
@@ -54,45 +45,36 @@ def fit_leg(
     moves = motion_of(group[0])
     # from a torque measured behind the delay, what is left may be slightly negative
     least = -2.0 / group[0].rate_hz if group[0].inputs[0].signal == "torque_measured" else 0.0
-    parameters = [
+    parameters = (
         Parameter("M11", "kg m^2", 1e-12),
         Parameter("M12", "kg m^2"),
         Parameter("M22", "kg m^2", 1e-12),
         Parameter("damping_1", "N m s/rad", 0.0),
         Parameter("damping_2", "N m s/rad", 0.0),
-        Parameter("delay", "s", least, delay_max_s),
-    ]
-    if gravity == "sine":
-        parameters += [Parameter("g1", "N m"), Parameter("g2", "N m")]
-    elif gravity == "free":
-        parameters += [
-            Parameter(f"stiffness_{i}_at_{k}", "N m/rad") for k in range(len(group)) for i in (1, 2)
-        ]
+        Parameter("delay", "s", least, _LONGEST),
+        Parameter("g1", "N m"),
+        Parameter("g2", "N m"),
+    )
     one, zero = np.eye(2), np.zeros((2, 2))
     rows = np.concatenate([zero, one] if moves == "velocity" else [one, zero], axis=1)
 
-    def system_at(k: int, frf: Frf) -> Callable[[np.ndarray], System]:
+    def system_at(frf: Frf) -> Callable[[np.ndarray], System]:
         mixed = np.cos(frf.posture[1] - frf.posture[0])
         pull = np.cos(np.array(frf.posture))
 
         def system(theta: np.ndarray) -> System:
             m11, m12, m22 = theta[0], theta[1] * mixed, theta[2]
-            stiffness = np.zeros(2, theta.dtype)
-            if gravity == "sine":
-                stiffness = theta[6:8] * pull
-            elif gravity == "free":
-                stiffness = theta[6 + 2 * k : 8 + 2 * k]
             inertia = np.array([[m11, m12], [m12, m22]])
-            return second_order(inertia, np.diag(theta[3:5]), np.diag(stiffness), theta[5], rows)
+            return second_order(inertia, np.diag(theta[3:5]), np.diag(theta[6:8] * pull), theta[5], rows)
 
         return system
 
-    starts = _starts(group, moves, least, delay_max_s, len(parameters))
+    starts = _starts(group, moves, least, _LONGEST)
     notes = ()
     if group[0].inputs[0].signal == "torque_measured":
         notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
-    systems = tuple(system_at(k, f) for k, f in enumerate(group))
-    return solve(Problem("leg", tuple(parameters), tuple(group), systems, starts, {}, notes))
+    systems = tuple(map(system_at, group))
+    return solve(Problem("leg", parameters, tuple(group), systems, starts, {}, notes))
 
 
 def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:
@@ -105,10 +87,9 @@ def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:
         return frf
     if transmission is None:
         raise InputError(
-            "the response is in joint coordinates",
-            column="coordinates",
+            "the response is in joint coordinates", column="coordinates",
             remedy="give the transmission, q_p = J q_s",
-        )
+        )  # fmt: skip
     j = np.asarray(transmission, float)
     named = [
         tuple(replace(c, axis=f"actuator_{k + 1}") for k, c in enumerate(channels))
@@ -119,7 +100,7 @@ def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:
     return replace(turned, posture=posture, coordinates="actuator")
 
 
-def _starts(group: Sequence[Frf], moves: str, low: float, high: float, count: int) -> list[np.ndarray]:
+def _starts(group: Sequence[Frf], moves: str, low: float, high: float) -> list[np.ndarray]:
     """For a given delay the inverse response s M + D + K / s is linear in all else: least squares."""
     blocks, weights, inverses = [], [], []
     for f in group:
@@ -152,6 +133,5 @@ def _starts(group: Sequence[Frf], moves: str, low: float, high: float, count: in
     starts = []
     for _, x, delay in sorted(found, key=lambda f: f[0])[:_STARTS]:
         positive = np.maximum(x[[0, 2, 3, 4]], 1e-6)
-        gravity = np.tile(x[5:7], max(1, (count - 6) // 2))[: count - 6]
-        starts.append(np.array([positive[0], x[1], positive[1], positive[2], positive[3], delay, *gravity]))
+        starts.append(np.array([positive[0], x[1], *positive[1:], delay, *x[5:7]]))
     return starts

@@ -10,6 +10,7 @@ from workbench.frf.sampled import System, second_order
 
 from .fit import Fit, Parameter, Problem, solve
 
+_LONGEST = 0.01  # delay that is looked for [s]; half a hold or a sensor's lag may make it negative
 _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)
     "position": (1.0, 0.0, 0.0, 0.0),
     "link_position": (0.0, 1.0, 0.0, 0.0),
@@ -17,7 +18,7 @@ _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)
 }
 
 
-def fit_two_mass(frf: Frf, *, delay_max_s: float = 0.01) -> Fit:
+def fit_two_mass(frf: Frf) -> Fit:
     """Fit a motor and a load on a spring, driven at the motor.
 
         J_m q_m'' + b_m q_m' + c (q_m' - q_l') + k (q_m - q_l) = u(t - T)
@@ -31,7 +32,6 @@ def fit_two_mass(frf: Frf, *, delay_max_s: float = 0.01) -> Fit:
     Args:
         frf: one input (torque, current or voltage); outputs ``position`` or ``velocity`` of the motor and,
             where it was measured, ``link_position``.
-        delay_max_s: largest delay to look for [s]; half a hold or a sensor's lag may make it negative.
 
     Returns:
         Parameters ``inertia_motor``, ``inertia_load``, ``stiffness``, ``damping_coupling``,
@@ -67,7 +67,7 @@ def fit_two_mass(frf: Frf, *, delay_max_s: float = 0.01) -> Fit:
         Parameter("damping_coupling", f"{push} s/{angle}", 0.0),
         Parameter("damping_motor", f"{push} s/{angle}", 0.0),
         Parameter("damping_load", f"{push} s/{angle}", 0.0),
-        Parameter("delay", "s", least, delay_max_s),
+        Parameter("delay", "s", least, _LONGEST),
     )
     rows = np.array([_OUTPUTS[s] for s in signals])
 
@@ -83,7 +83,7 @@ def fit_two_mass(frf: Frf, *, delay_max_s: float = 0.01) -> Fit:
         "resonance_hz": (lambda t: np.sqrt(t[2] * (1 / t[0] + 1 / t[1])) / (2 * np.pi), "Hz"),
         "inertia_ratio": (lambda t: t[1] / t[0], "1"),
     }
-    starts = _starts(frf, motor, signals[motor], least, delay_max_s)
+    starts = _starts(frf, motor, signals[motor], least, _LONGEST)
     return solve(Problem("two_mass", parameters, (frf,), (system,), starts, derived))
 
 

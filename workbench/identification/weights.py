@@ -37,9 +37,7 @@ def whitening(frf: Frf) -> np.ndarray:
 
 
 def weighted_by_rest(frf: Frf, rest: np.ndarray) -> Frf:
-    """Return the response with what a model leaves of it (F, ny, nu) in its covariance, where that is
-    more.
-    """
+    """Return the response with a model's residual (F, ny, nu) as its covariance, where that is more."""
     d = rest.reshape(len(frf), -1)
     found = replace(
         frf,

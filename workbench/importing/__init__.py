@@ -7,13 +7,6 @@ from .import_model import Drives, import_model
 from .opened import is_mjcf
 
 __all__ = [
-    "Drives",
-    "assemblies",
-    "contents_of",
-    "described",
-    "import_model",
-    "is_mjcf",
-    "is_reference_leg",
-    "own_plants",
-    "own_rig",
-]
+    "Drives", "assemblies", "contents_of", "described", "import_model", "is_mjcf", "is_reference_leg",
+    "own_plants", "own_rig",
+]  # fmt: skip

@@ -41,8 +41,7 @@ class Assemblies:
 
 
 def assemblies(mechanism: Mechanism) -> Assemblies:
-    """Return the ways in which a mechanism's loops close in the middle of its limits, or at its start
-    without them.
+    """Return the ways in which a mechanism's loops close amid its limits, or at its start without them.
 
     Raises:
         InputError: as `ClosedChain`.

@@ -178,8 +178,7 @@ def _reached(
 
 
 def _begun(mechanism: Mechanism) -> tuple[Mechanism, ClosedChain]:
-    """The mechanism with the posture that it is assembled in as its start, where that is far from the stated
-    one, and its closed chain.
+    """The mechanism, started where it is assembled if that is far from the stated posture; and its chain.
 
     Whoever closes the loops next begins there, and finds the same way to put it together. What a model's file
     says is of the posture that it says, digit by digit.

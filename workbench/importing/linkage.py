@@ -49,8 +49,7 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
 
 
 def is_all(chain: ClosedChain, model: Model) -> bool:
-    """Return whether the serial tree has the mass and weight of the whole mechanism, and the loops
-    carry none.
+    """Return whether the serial tree has the mechanism's whole mass and weight, and the loops none.
 
     Args:
         chain: the closed chain.

@@ -63,8 +63,7 @@ class LoopList:
 
 
 def loop_list(file: Path) -> LoopList | None:
-    """Return the list of loops beside a URDF: of the same name, else the only one in its folder; None
-    without.
+    """Return the list of loops beside a URDF: of its name, else the only one in its folder; or None.
 
     Raises:
         InputError: there is one that says what is not understood here.
@@ -104,8 +103,7 @@ def loop_list(file: Path) -> LoopList | None:
 
 
 def with_list(file: Path, listed: LoopList) -> Converted:
-    """Return the URDF with the joints that the list gives it and frames where its loops close; its shapes
-    are left out.
+    """Return the URDF with the list's joints and frames where its loops close; shapes are left out.
 
     Raises:
         InputError: the file is no URDF, or has no joint or frame of a name in the list.

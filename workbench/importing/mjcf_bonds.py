@@ -27,8 +27,7 @@ def ends(m: mujoco.MjModel, e: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
 
 
 def coupling(m: mujoco.MjModel, e: int, file: Path) -> Coupling:
-    """Return a joint that follows another, between positions and not, as MuJoCo has it, ways from the file's
-    pose.
+    """Return a joint that follows another, between positions, not ways from the file's pose as in MuJoCo.
 
     Raises:
         InputError: one of them is a ball.

@@ -94,9 +94,7 @@ def _measured(recording: Recording, transmission: np.ndarray | None) -> list[Rem
 
 
 def _pushes_away(recording: Recording, at: Ticks) -> list[Remark]:
-    """Return a remark on an unstated law that drives an axis away from its reference, which no loop would
-    survive.
-    """
+    """Return a remark on an unstated law that drives an axis away from its reference: none would hold."""
     n = len(recording.axes)
     fit = fit_gains(at, Controller("pd", recording.coordinates, (1.0,) * n, (1.0,) * n), np.eye(n))
     remarks = []

@@ -1,6 +1,4 @@
-"""A law that holds in other coordinates than stated: joints instead of drives, or drives instead of
-joints.
-"""
+"""A law that holds in other coordinates than stated: joints for drives, or drives for joints."""
 
 from __future__ import annotations
 

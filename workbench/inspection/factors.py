@@ -32,15 +32,14 @@ TORQUE: tuple[tuple[float, str], ...] = (
 Named = Sequence[tuple[float, str]]
 
 
-def name_factor(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> str | None:
+def name_factor(factor: float, named: Named = NAMED) -> str | None:
     """Return the mix-up that explains a factor, or None.
 
     Args:
         factor: ratio of what was found to what was expected; its sign does not matter.
-        tolerance: relative.
         named: factors with their meanings.
     """
-    return next(iter(name_factors(factor, tolerance, named)), None)
+    return next(iter(name_factors(factor, named=named)), None)
 
 
 def name_factors(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> tuple[str, ...]:

@@ -78,9 +78,7 @@ def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _mobility(a: np.ndarray, tau: np.ndarray, drag: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Fit ``a = M^-1 tau + D drag`` by least squares: M^-1 (n, n), its deviations, the explained part of
-    `a`.
-    """
+    """Fit ``a = M^-1 tau + D drag``: M^-1 (n, n), its deviations, the explained part of `a`."""
     columns = np.hstack([tau, drag])
     n = a.shape[1]
     found, *_ = np.linalg.lstsq(columns, a, rcond=None)

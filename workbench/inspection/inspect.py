@@ -22,8 +22,7 @@ FEW = 200  # rows below which nothing is compared
 
 
 def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None = None) -> Inspection:
-    """Return what recordings say about themselves: swapped axes, wrong signs, units and gains, clock offsets,
-    limits, noise.
+    """Return what recordings say about themselves: swaps, signs, units, gains, clocks, limits, noise.
 
     Args:
         recordings: what was measured.

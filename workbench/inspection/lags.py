@@ -35,8 +35,7 @@ def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, f
 
 
 def is_broad(column: np.ndarray) -> bool:
-    """Return whether a column (N,) has enough frequencies to tell a delay or an inertia from a tone's
-    phase.
+    """Return whether a column (N,) has enough frequencies to tell delay or inertia from a tone's phase.
 
     Counts the frequencies among which its power is shared: the participation ratio of its spectrum.
     """

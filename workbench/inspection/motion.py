@@ -1,6 +1,4 @@
-"""Velocity compared with the derivative of position: swapped columns, sign, unit, gear ratio, clock
-offset.
-"""
+"""Velocity against the derivative of position: swapped columns, sign, unit, gear, clock offset."""
 
 from __future__ import annotations
 
@@ -116,8 +114,7 @@ def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> lis
 
 
 def _filtered(axis: str, v: np.ndarray, slope: np.ndarray, band: float, period: float) -> Remark | None:
-    """Return a remark on a speed that a first-order low-pass made smaller, if adding its lag restores the
-    speed.
+    """Return a remark on a speed that a low-pass of first order made smaller, if its lag explains it.
 
     v + T dv/dt = slope, so that a gear or a unit shows in the first coefficient and a filter in the second.
     """

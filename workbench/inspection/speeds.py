@@ -49,8 +49,7 @@ class Explanation:
 def explain_speed(
     recording: Recording, ratio: int, phase: int, tried: Sequence[np.ndarray]
 ) -> tuple[Explanation, ...]:
-    """Return every way to compute the speed with which the law holds best; those with the stated gains
-    first.
+    """Return every way to compute the speed with which the law holds best; by the stated gains first.
 
     Args:
         recording: whose velocity was not measured.

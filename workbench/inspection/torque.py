@@ -125,8 +125,7 @@ def _slope(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def command_limits(recording: Recording) -> list[tuple[int, float, float]]:
-    """Return values that commands reach again and again as their largest or smallest: limits they were
-    cut to.
+    """Return values that commands reach again and again as their ends: limits they were cut to.
 
     Returns:
         Axis, that value in the recording's own coordinates, and the share of rows that have it.

@@ -13,8 +13,7 @@ _LATE_S = 0.005  # a torque may be logged so much early or late, which turns the
 
 
 def remark_on_work(recording: Recording, held: np.ndarray) -> list[Remark]:
-    """Check, if no command is logged, that the torques put at least as much work into the machine as they
-    take out.
+    """Check, if no command is logged, that torques put as much work into the machine as they take out.
 
     Args:
         recording: what was measured.

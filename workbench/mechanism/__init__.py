@@ -10,14 +10,6 @@ from .simulate import Motion, simulate
 from .transmission import constant_transmission, sample_joints
 
 __all__ = [
-    "ClosedChain",
-    "DiscreteChain",
-    "Ground",
-    "Motion",
-    "Reduced",
-    "constant_transmission",
-    "held_rest",
-    "linearise",
-    "sample_joints",
-    "simulate",
-]
+    "ClosedChain", "DiscreteChain", "Ground", "Motion", "Reduced", "constant_transmission", "held_rest",
+    "linearise", "sample_joints", "simulate",
+]  # fmt: skip

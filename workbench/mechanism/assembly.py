@@ -31,8 +31,7 @@ def check_names(mechanism: Mechanism) -> None:
 
 
 def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:
-    """Return a closed posture (N,) that the drives determine, as near the mechanism's start posture as that
-    allows.
+    """Return a closed posture (N,) that the drives determine, as near the start posture as it can be.
 
     Args:
         tree: the cut mechanism.
@@ -75,8 +74,7 @@ def _count_freedoms(tree: Tree, drives: Sequence[int], theta: np.ndarray) -> Non
 
 
 def generic_jacobian(tree: Tree, theta: np.ndarray, passive: Sequence[int]) -> np.ndarray:
-    """Return the gaps' Jacobian of highest rank among closed postures near `theta`, which may be a dead
-    point.
+    """Return the gaps' Jacobian of highest rank in closed postures near `theta`, maybe a dead point.
 
     Of the whole, then of the passive coordinates alone: a crank in line with its rod is a dead point of a
     drive at the far end, where the loops are as good as anywhere.

@@ -21,7 +21,7 @@ from workbench.core.closure import DEAD, Closure
 from workbench.core.moving import moving_with
 
 from .assembly import assemble, check_names
-from .reduced import Margin, Reduced, ratio
+from .reduced import Reduced, ratio
 from .tree import Tree
 
 _SAME = 1e-6  # rad or m
@@ -99,8 +99,7 @@ class ClosedChain:
         return slope
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
-        """Return the equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or
-        m/s].
+        """Return the equation of motion at drives `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or m/s].
 
         Raises:
             SimulationError: the loops cannot be closed, or are at a dead point (links of a loop in line).
@@ -111,17 +110,6 @@ class ClosedChain:
         """Kinetic plus potential energy [J] of what moves, at drive positions `q` and speeds `v` (n,)."""
         self._tree.speed(self._driven.regular(q)[1] @ v)
         return self._tree.energy()
-
-    def margin(self, q: np.ndarray) -> Margin:
-        """Return how far drive positions `q` (n,) are from a dead point.
-
-        Raises:
-            SimulationError: the loops cannot be closed there.
-        """
-        posture = self._driven.at(q)
-        if posture.slope is None:
-            return Margin(0.0, 0.0)
-        return Margin(posture.margin, ratio(posture.slope[self._joints]))
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -164,8 +152,7 @@ class ClosedChain:
         return self._serial.gamma(inverse)[self._driven.independent]
 
     def serial_dynamics(self, joints: np.ndarray, speeds: np.ndarray) -> Reduced:
-        """Return the equation of motion in serial coordinates, torque J^T tau_p: positions and speeds
-        (n,).
+        """Return the equation of motion in serial coordinates, torque J^T tau_p: position and speed (n,).
 
         Raises:
             SimulationError: the loops cannot be closed there, or are at a dead point.

@@ -1,4 +1,4 @@
-"""What a closed chain is in a posture: its equation of motion, and how far it is from dead points."""
+"""What a closed chain is in a posture: its equation of motion, and what is a dead point."""
 
 from __future__ import annotations
 
@@ -22,21 +22,6 @@ class Reduced:
     mass: np.ndarray
     bias: np.ndarray
     gravity: np.ndarray
-
-
-@dataclass(frozen=True)
-class Margin:
-    """How far a posture is from both kinds of dead point: 1 at best, 0 at the dead point.
-
-    Attributes:
-        drives: smallest over largest singular value of the loops' equations in the passive coordinates;
-            at zero the drives no longer determine the posture.
-        joints: the same of d q_s / d q_p; at zero the drives move while the serial joints do not (a leg
-            stretched out), and J does not exist.
-    """
-
-    drives: float
-    joints: float
 
 
 def ratio(matrix: np.ndarray) -> float:

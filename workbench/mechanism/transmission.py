@@ -11,6 +11,7 @@ from workbench.core import SimulationError
 from .closed_chain import ClosedChain
 
 _SEED = 11  # the same postures every time
+_NONE = 1e-9  # largest change of an entry of J that counts as none
 _AROUND = 0.5  # without limits: this far about the start posture [rad or m]
 
 
@@ -29,13 +30,12 @@ class Transmission:
     constant: bool
 
 
-def constant_transmission(chain: ClosedChain, samples: int = 60, tolerance: float = 1e-9) -> Transmission:
+def constant_transmission(chain: ClosedChain, samples: int = 60) -> Transmission:
     """J at random serial postures within the mechanism's limits (without limits: about its start posture).
 
     Args:
         chain: the mechanism.
         samples: number of postures; those that cannot be reached are left out.
-        tolerance: largest change of an entry of J that counts as none.
 
     Raises:
         SimulationError: not one of the postures can be reached.
@@ -51,7 +51,7 @@ def constant_transmission(chain: ClosedChain, samples: int = 60, tolerance: floa
     values = np.array(found)
     mean = values.mean(axis=0)
     spread = float(np.abs(values - mean).max())
-    if spread <= tolerance:
+    if spread <= _NONE:
         # exact where exact is as good as what was computed: 1 rather than 0.9999999999999998
         rounded = np.round(mean, 12)
         within = np.abs(rounded - mean) <= spread + 4.0 * np.finfo(float).eps
@@ -60,8 +60,8 @@ def constant_transmission(chain: ClosedChain, samples: int = 60, tolerance: floa
     return Transmission(matrix, float(np.abs(values - matrix).max()), False)
 
 
-def sample_joints(chain: ClosedChain, samples: int, seed: int = _SEED) -> np.ndarray:
+def sample_joints(chain: ClosedChain, samples: int) -> np.ndarray:
     """Random serial postures (samples, n) within the limits; without limits about the start posture."""
     start = chain.start[1]
     limits = np.array(chain.mechanism.limits or [(x - _AROUND, x + _AROUND) for x in start])
-    return np.random.default_rng(seed).uniform(limits[:, 0], limits[:, 1], (samples, chain.size))
+    return np.random.default_rng(_SEED).uniform(limits[:, 0], limits[:, 1], (samples, chain.size))

@@ -49,8 +49,6 @@ class JointNumber:
 
 @dataclass(frozen=True)
 class BodyNumbers:
-    """New mass, centre and inertia of the body that a joint carries; their values come from the built
-    model.
-    """
+    """New mass, centre and inertia of the body that a joint carries; values are the built model's."""
 
     joint: str

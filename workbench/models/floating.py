@@ -41,10 +41,9 @@ def take_apart(spec: mujoco.MjSpec, file: Path) -> None:
         raise InputError(f"bodies {names} all float", file=file, remedy="leave all but the robot out")
     if free[0].parent.parent.name != spec.worldbody.name:
         raise InputError(
-            f"body '{free[0].parent.name}' floats inside of another",
-            file=file,
+            f"body '{free[0].parent.name}' floats inside of another", file=file,
             remedy="let only a base float",
-        )
+        )  # fmt: skip
     taken = {joint.name for joint in spec.joints} & set(BASE_AXES)
     if taken:
         raise InputError(

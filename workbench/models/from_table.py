@@ -96,8 +96,7 @@ def _per_axis(value: list[float] | float, n: int, file: Path, key: str) -> tuple
 def _transmission(
     table: ModelTable, known: list[str], file: Path
 ) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """Return axes, joints and the matrix (n, n) between them; without a table the joints themselves are
-    driven.
+    """Return axes, joints and the matrix (n, n) between them; without a table the joints are driven.
 
     Args:
         table: the model file.

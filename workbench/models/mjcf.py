@@ -1,6 +1,4 @@
-"""Limits on MJCF files: they may describe bodies, but use no plugin and name only files beside or below
-them.
-"""
+"""Limits on MJCF files: bodies, but no plugin, and only files beside or below them are named."""
 
 from __future__ import annotations
 

@@ -43,8 +43,7 @@ class Actuators:
 
 @dataclass(frozen=True)
 class Crank:
-    """The parts that turn with the knee's drive even if the pin of thigh and shank is soft: crank and
-    coupler.
+    """The parts that turn with the knee's drive even where the pin is soft: crank and coupler.
 
     M12 (factor of cos alpha), M22 [kg m^2], g2 [N m]: their part of a linkage's increments.
     """
@@ -162,8 +161,7 @@ class Model(Shown):
 
     @property
     def files(self) -> list[Path]:
-        """What the model was read from: its own file, the serial tree, the closed chain, and all that the
-        serial tree includes or names.
+        """Files the model was read from: its own, serial tree, closed chain, and all that the tree names.
 
         Raises:
             InputError: the serial tree cannot be read any more.

@@ -19,8 +19,7 @@ NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
 
 
 def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
-    """Return ``frictionloss`` of the model's file as `coulomb_friction`, one effect per joint that has
-    some.
+    """Return ``frictionloss`` of the model's file as `coulomb_friction`, one for each joint with some.
 
     At a joint that one drive turns, and no other, it is that drive's, as the joint's armature and damping
     are; at any other it is the joint's own. At a tendon that is a drive it is the drive's.
@@ -76,8 +75,7 @@ def _seats(
 
 
 def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
-    """Return joints and tendons of a compiled MJCF with dry friction, and how soft MuJoCo's constraint is
-    for each.
+    """Return joints and tendons of a compiled MJCF with dry friction, and how soft each constraint is.
 
     That is the time [s] by which the friction turns before a reversal: the constraint pulls the speed w to
     ``a = -b w``, so that under an acceleration a it changes sign 1 / b early.

@@ -40,10 +40,9 @@ def packaged_robot(name: str) -> Path | None:
         module = import_module(package)
     except ImportError as error:
         raise InputError(
-            f"needs the package {_PACKAGES[package]}",
-            file=name,
+            f"needs the package {_PACKAGES[package]}", file=name,
             remedy=f"install it: pip install {_PACKAGES[package]}",
-        ) from error
+        ) from error  # fmt: skip
     menagerie = package == "mujoco_menagerie"
     known = list(module.names() if menagerie else module.DESCRIPTIONS)
     if robot not in known:

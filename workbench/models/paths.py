@@ -11,8 +11,7 @@ from .packaged import is_packaged, packaged_robot
 
 
 def find_model(path: str | Path) -> Path:
-    """Return the file meant by `path`: itself, a shipped model (``leg``, ``models/leg.toml``), or a
-    packaged robot.
+    """Return the file meant by `path`: itself, a shipped model (``leg``), or a packaged robot.
 
     Raises:
         InputError: there is none; names the shipped models, or what the package of robots lacks.

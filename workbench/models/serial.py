@@ -95,8 +95,7 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
 
 @dataclass(frozen=True)
 class DriveTendon:
-    """A fixed tendon of an MJCF whose length is proportional to a drive's angle: it represents that
-    drive.
+    """A fixed tendon of an MJCF with a length proportional to a drive's angle: it represents the drive.
 
     How S3N writes a drive that turns several joints (paper, Eq. 7): the tendon's armature is its rotor.
     `tendon`: its number in the file; `name`: empty where it has none.

@@ -13,8 +13,7 @@ from workbench.core import InputError
 def shared_drives(
     spec: mujoco.MjSpec, joints: list[str], file: Path
 ) -> tuple[tuple[str, ...], np.ndarray] | None:
-    """Return the drives of an MJCF in which an actuator moves several joints by a fixed tendon; None
-    without one.
+    """Return drives of an MJCF whose actuators move several joints by a fixed tendon; None without one.
 
     Taken as one drive per joint, it would be another machine, of which every result is wrong.
 
@@ -44,10 +43,9 @@ def shared_drives(
     moves = f"joints {' and '.join(first)} together" if first else "what its tendon passes along sites"
     raise InputError(
         f"actuator '{m.actuator(shared[0]).name}' moves {moves}, and it is not one drive for each joint",
-        file=file,
-        column="actuator",
+        file=file, column="actuator",
         remedy="state [transmission] in a model file (docs/models.md): joints, and one matrix row per drive",
-    )
+    )  # fmt: skip
 
 
 def _row(m: mujoco.MjModel, actuator: int) -> dict[str, float]:

@@ -88,10 +88,9 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     for joint in spec.joints:
         if joint.type not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
             raise InputError(
-                f"joint '{joint.name}' is a ball",
-                file=file,
+                f"joint '{joint.name}' is a ball", file=file,
                 remedy="a model may have only hinge and slide joints below its base",
-            )
+            )  # fmt: skip
         if not joint.name:
             raise InputError("a joint has no name", file=file, remedy="name every joint")
         _refuse_negative(joint, file)

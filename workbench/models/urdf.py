@@ -25,8 +25,7 @@ def is_urdf(file: Path) -> bool:
 
 
 def load_urdf(file: Path) -> mujoco.MjSpec:
-    """Parse the links and joints of a URDF; if it ends in a single link, the link's frame is a payload
-    site.
+    """Parse links and joints of a URDF; the frame of a single last link is a payload site.
 
     Raises:
         InputError: no URDF, one that xacro has yet to expand, one with loops or joints that follow others, or

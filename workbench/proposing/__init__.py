@@ -10,16 +10,6 @@ from .table import Table
 from .write import complete, write
 
 __all__ = [
-    "Answers",
-    "Proposal",
-    "Question",
-    "Table",
-    "by_weight",
-    "complete",
-    "import_table",
-    "open_table",
-    "propose",
-    "said_by",
-    "told",
-    "write",
-]
+    "Answers", "Proposal", "Question", "Table", "by_weight", "complete", "import_table", "open_table",
+    "propose", "said_by", "told", "write",
+]  # fmt: skip

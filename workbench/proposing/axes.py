@@ -13,8 +13,7 @@ from .proposal import Question
 
 
 def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:
-    """Return axis names, and signal -> one column per axis; signals that lack a joint are left out,
-    with a note.
+    """Return axis names, and signal -> a column per axis; signals that lack a joint are noted, left out.
 
     Raises:
         InputError: there is no position, or another number of axes than was stated.
@@ -23,10 +22,9 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
     if not positions:
         shown = ", ".join(list(draft.table.columns)[:12])
         raise InputError(
-            "no column looks like a measured position",
-            file=draft.table.file,
+            "no column looks like a measured position", file=draft.table.file,
             remedy=f"name them: --column position=A,B; the columns are {shown}",
-        )
+        )  # fmt: skip
     joints, axes = _axes(positions, draft)
     stated = _stated_in_order(draft, joints, axes)
     columns: dict[str, list[str]] = {}
@@ -85,10 +83,9 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     if len(joints) < len(wanted) and len(missing) == len(wanted) - len(joints):
         names = ",".join("NAME" if (joint := found[a]) is None else positions[joint] for a in wanted)
         raise InputError(
-            f"has no position of {', '.join(missing)}",
-            file=draft.table.file,
+            f"has no position of {', '.join(missing)}", file=draft.table.file,
             remedy=f"log it, or name its column: --column 'position={names}'",
-        )
+        )  # fmt: skip
     if len(wanted) != len(joints):
         names = ",".join(["NAME"] * len(wanted))
         shown = ", ".join(list(positions.values())[:12])

@@ -36,9 +36,7 @@ def turn_of(values: np.ndarray) -> int:
 
 
 def turn_that_wraps(size: int) -> int:
-    """Return steps per turn of an encoder that wraps after `size`; 0 if only the number may have
-    overflowed.
-    """
+    """Return steps per turn of an encoder that wraps at `size`; 0 if only the number may overflow."""
     return size if size in TURNS and size not in _NUMBERS else 0
 
 

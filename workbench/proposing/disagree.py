@@ -21,9 +21,7 @@ _OTHERS = {
 
 
 def is_near(ratio: float) -> bool:
-    """Return whether a velocity may be the derivative: noise reduces the factor, and smaller units differ by
-    more.
-    """
+    """Return whether a velocity may be the derivative: noise lowers the factor, units change it more."""
     return 0.8 < ratio < 1.25
 
 

@@ -32,8 +32,7 @@ def settle_feedforward(out: Signals, *, law: bool) -> None:
 def take_controller(
     draft: Draft, columns: dict[str, list[str]], axes: Sequence[str], coordinates: str
 ) -> dict[str, Any] | None:
-    """Return the ``[controller]`` of logged gains, which are no signals; None if there are none, or
-    they change.
+    """Return the ``[controller]`` of logged gains, which are no signals; None if none, or they change.
 
     Args:
         draft: the table; takes what is assumed and noted.

@@ -25,8 +25,7 @@ _FIELDS = {"unit": "units", "constant": "units", "column": "columns", "rate": "r
 def import_table(
     path: str | Path, model: str | Model | None = None, *, likeliest: bool = False, **said: Any
 ) -> Recording:
-    """Return the recording of a table or log; the meaning of columns is found, or stated by the model
-    or by you.
+    """Return the recording of a table or log; columns' meaning is found, or stated by model or you.
 
     Args:
         path: CSV, JSON, Parquet, MATLAB, NumPy, MCAP, a CAN log: whatever `workbench import` reads.

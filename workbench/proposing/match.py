@@ -76,8 +76,6 @@ def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def held_share(values: np.ndarray) -> float:
-    """Return the share of rows at which a column keeps its value, without those at exactly zero (drives
-    off).
-    """
+    """Return the share of rows at which a column keeps its value, zeros (drives off) left out."""
     on = (values[1:] != 0) | (values[:-1] != 0)
     return float(np.mean(np.diff(values)[on] == 0)) if on.any() else 0.0

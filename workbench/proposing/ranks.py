@@ -11,8 +11,7 @@ _CLEARER = 0.5  # of what the next best pair lacks
 def in_rank(
     pairs: Mapping[str, str], names: Sequence[str], likeness: Mapping[tuple[str, str], float]
 ) -> dict[str, str]:
-    """Return position -> speed for neighbours of certain pairs, which are less similar but at the same
-    distance.
+    """Return position -> speed for neighbours of certain pairs, at the same distance if less similar.
 
     Args:
         pairs: position -> speed, as found by the numbers alone.

@@ -1,6 +1,4 @@
-"""Units of time, position and velocity together: the derivative connects them; names and sizes do the
-rest.
-"""
+"""Units of time, position and velocity together: tied by the derivative; names and sizes do the rest."""
 
 from __future__ import annotations
 

@@ -43,8 +43,7 @@ def settle_units(
     relations: list[Relation],
     wraps: Mapping[str, float] | None = None,
 ) -> dict[str, tuple[str, ...]]:
-    """Return kind -> unit of each axis (of time: one), by names, joints, sizes, and velocity against
-    position.
+    """Return kind -> unit of each axis (of time: one), by names, joints, sizes, velocity and position.
 
     Args:
         draft: takes what is assumed, asked and noted.

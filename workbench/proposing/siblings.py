@@ -10,8 +10,7 @@ from .names import KINDS, Role
 
 
 def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Role]) -> set[str]:
-    """Return constant columns that belong to a joint, because columns with the same words belong to other
-    joints.
+    """Return constant columns that belong to a joint, as columns with the same words do to others.
 
     An axis that was held while another one was moved has such columns, with an encoder of coarse steps.
 

@@ -46,8 +46,7 @@ def header_unit(draft: Draft, column: str, kind: str) -> str:
 
 
 def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str]) -> Stated:
-    """Return units by the user's answers, else by the header of each axis, else by headers of similar
-    axes.
+    """Return units by the user's answers, else each axis's header, else headers of similar axes.
 
     Raises:
         InputError: another number of units than axes, or one unit for axes of which it can be no unit.
@@ -111,10 +110,9 @@ def _said(draft: Draft, kind: str, n: int) -> list[str]:
         turning, line = EXAMPLES[kind]
         example = ",".join([turning] * (n - 1) + [line])
         raise InputError(
-            f"{len(units)} units of {kind} for {n} axes",
-            file=draft.table.file,
+            f"{len(units)} units of {kind} for {n} axes", file=draft.table.file,
             remedy=f"give one, or one per axis: --unit {kind}={example}",
-        )
+        )  # fmt: skip
     return units
 
 
@@ -139,10 +137,9 @@ def _check_one(draft: Draft, kind: str, unit: str, axes: Sequence[str], linear: 
     right = [unit if line == is_linear(unit, kind) else EXAMPLES[kind][line] for line in linear]
     moves = "turns" if is_linear(unit, kind) else "moves along a line"
     raise InputError(
-        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}",
-        file=draft.table.file,
+        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}", file=draft.table.file,
         remedy=f"give one per axis: --unit {kind}={','.join(right)}",
-    )
+    )  # fmt: skip
 
 
 def _header(draft: Draft, columns: dict[str, list[str]], kind: str, i: int) -> str:

@@ -13,9 +13,7 @@ from .roles import drives
 
 
 def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
-    """Decide the role of a torque: measured, unless it is the smoother one of two or is held like a
-    command.
-    """
+    """Decide a torque's role: measured, unless the smoother of two or held like a command."""
     plain = out.columns.pop("torque", {})
     because = out.because.pop("torque", "its name")
     out.sure.pop("torque", None)

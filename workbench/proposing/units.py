@@ -94,9 +94,7 @@ def _is_number(text: str) -> bool:
 
 
 def spelled(text: str, kind: str) -> bool:
-    """Return whether `text` is a unit of this kind at the end of a name; a foot or a link is a joint
-    there.
-    """
+    """Return whether `text` is a unit of this kind ending a name; foot and link are joints there."""
     return bool(_spelling(text, kind))
 
 

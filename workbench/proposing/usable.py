@@ -43,10 +43,9 @@ def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -
     kept, every = len(next(iter(rows.columns.values()))), len(draft.table)
     if len(rows.runs) == 1 and 2 * kept < every:
         raise InputError(
-            f"only {kept} of {every} rows can be used. {' '.join(rows.notes)}",
-            file=draft.table.file,
+            f"only {kept} of {every} rows can be used. {' '.join(rows.notes)}", file=draft.table.file,
             remedy="give a table with one row per sample, all columns in it",
-        )
+        )  # fmt: skip
     return rows
 
 

@@ -10,20 +10,7 @@ from .windows import Excerpts, excerpts
 from .write import save_recording
 
 __all__ = [
-    "Excerpts",
-    "Log",
-    "NoiseLevels",
-    "Stretch",
-    "check_moves",
-    "describe",
-    "excerpts",
-    "is_model_file",
-    "load_recording",
-    "load_recordings",
-    "noise_levels",
-    "open_recording",
-    "open_recordings",
-    "save_recording",
-    "source_files",
-    "white_noise",
-]
+    "Excerpts", "Log", "NoiseLevels", "Stretch", "check_moves", "describe", "excerpts", "is_model_file",
+    "load_recording", "load_recordings", "noise_levels", "open_recording", "open_recordings",
+    "save_recording", "source_files", "white_noise",
+]  # fmt: skip

@@ -26,12 +26,9 @@ def check_finite(d: Description, signals: Mapping[str, np.ndarray], measured: np
                 "empty or NaN" if np.isnan(value) else "infinite" if np.isinf(value) else f"{value:g} in SI"
             )
             raise InputError(
-                f"{signal} is {found}",
-                file=path,
-                column=d.columns[signal][column].column,
-                row=int(row) + 1,
+                f"{signal} is {found}", file=path, column=d.columns[signal][column].column, row=int(row) + 1,
                 remedy="remove the row, or mark it in a `valid` column to have it filled and masked",
-            )
+            )  # fmt: skip
 
 
 def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) -> None:
@@ -47,20 +44,17 @@ def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) 
     if wanted is not None and len(time) * period < wanted * (1 - 1e-6):
         raise InputError(
             f"{len(time)} rows last {len(time) * period:.4g} s, less than one period of {wanted:g} s",
-            file=path,
-            column=column,
+            file=path, column=column,
             remedy="record at least one whole period, or correct excitation.period_s",
-        )
+        )  # fmt: skip
     named = "f_max_hz"
     if wanted and isinstance(d.excitation.lines, tuple) and d.excitation.lines[-1] / wanted > (f_max or 0.0):
         named, f_max = "lines", d.excitation.lines[-1] / wanted
     if f_max is not None and 1 / period <= 2 * f_max:
         raise InputError(
-            f"the rate of {1 / period:.4g} Hz is too low for an excitation up to {f_max:g} Hz",
-            file=path,
-            column=column,
-            remedy=f"log faster than {2 * f_max:g} Hz, or correct excitation.{named}",
-        )
+            f"the rate of {1 / period:.4g} Hz is too low for an excitation up to {f_max:g} Hz", file=path,
+            column=column, remedy=f"log faster than {2 * f_max:g} Hz, or correct excitation.{named}",
+        )  # fmt: skip
 
 
 def check_alive(d: Description, signals: Mapping[str, np.ndarray], path: Path) -> None:
@@ -76,11 +70,10 @@ def check_alive(d: Description, signals: Mapping[str, np.ndarray], path: Path) -
             if dead.any():
                 i = int(np.argmax(dead))
                 raise InputError(
-                    f"{signal} of the excited axis '{d.axes[i]}' never changes",
-                    file=path,
+                    f"{signal} of the excited axis '{d.axes[i]}' never changes", file=path,
                     column=d.columns[signal][i].column,
                     remedy="check the sensor and the column's name, or leave the axis or the signal out",
-                )
+                )  # fmt: skip
 
 
 def driven_axes(signals: Mapping[str, np.ndarray]) -> np.ndarray | None:

@@ -87,20 +87,15 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
         bad = int(gaps[0])
         raise InputError(
             f"time jumps by {step[bad] / period:.4g} periods, from {t[bad]:.6g} s to {t[bad + 1]:.6g} s",
-            file=path,
-            column=column,
-            row=int(kept[bad + 1]) + 1,
+            file=path, column=column, row=int(kept[bad + 1]) + 1,
             remedy="cut the recording there, or add a `valid` column to have the gap filled and masked",
-        )
+        )  # fmt: skip
     if t[-1] - t[0] > _MOST_HIDDEN * len(t) * period:
         bad = int(np.argmax(step))
         raise InputError(
             f"{t[-1] - t[0]:.4g} s hold {len(t)} rows of {period:.4g} s: time jumps by {step[bad]:.4g} s",
-            file=path,
-            column=column,
-            row=int(kept[bad + 1]) + 1,
-            remedy="cut the recording there",
-        )
+            file=path, column=column, row=int(kept[bad + 1]) + 1, remedy="cut the recording there",
+        )  # fmt: skip
     hidden = np.ones(len(step)) if valid is None else np.maximum(1, np.round(step / period))
     row = np.concatenate([[0], np.cumsum(hidden)]).astype(int)
     straight = np.polynomial.Polynomial.fit(row, t, 1)

@@ -59,11 +59,9 @@ def axis_units(d: Description, path: Path) -> tuple[str, ...]:
                 wanted = _LINEAR[kind] if linear else KINDS[kind][0]
                 moves = "moves along a line" if linear else "turns"
                 raise InputError(
-                    f"axis '{axis}' {moves} but its {kind} is in {si[kind][i]}",
-                    file=path,
-                    column=f"units.{kind}",
-                    remedy=f"give a unit like {wanted}",
-                )
+                    f"axis '{axis}' {moves} but its {kind} is in {si[kind][i]}", file=path,
+                    column=f"units.{kind}", remedy=f"give a unit like {wanted}",
+                )  # fmt: skip
     return tuple(si["position"])
 
 

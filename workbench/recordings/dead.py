@@ -103,8 +103,7 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
 
 
 def _follows(given: np.ndarray, asked: np.ndarray) -> bool:
-    """Return whether a drive follows its command while it gives a torque; otherwise zero torque is no
-    sign.
+    """Return whether a drive follows its command while it gives a torque; else zero torque is no sign.
 
     A law of a wrong sign asks for a hundred times what the axis needs, and gets a tenth of it by chance.
     """

@@ -39,8 +39,7 @@ def position_noise(positions: np.ndarray, valid: np.ndarray, steps: np.ndarray) 
 
 
 def _stays(signal: np.ndarray, valid: np.ndarray, rounding: float) -> bool:
-    """Return whether the residual of a signal (N,) exceeds rounding and, like noise, does not shrink
-    further.
+    """Return whether a signal's residual (N,) exceeds rounding and, like noise, shrinks no further.
 
     What motion adds falls by about one factor from band to band, from which follows how much of it is in the
     last one still.

@@ -117,8 +117,7 @@ def _best(phases: np.ndarray, cost: Callable[[float], float]) -> float:
 
 
 def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[float, np.ndarray] | None:
-    """Return the phase in a loop's period at which a delayed torque steps, if it is constant between
-    steps.
+    """Return the phase in a loop's period at which a delayed torque steps, if constant between steps.
 
     Args:
         times: of the rows (K,) [s].

@@ -46,8 +46,7 @@ def settle_jitter(clock: Clock, smooth: Iterable[np.ndarray]) -> Clock:
 
 
 def _surprise(times: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """Return the mean square error of a cubic prediction through the four neighbouring rows, per column
-    (k,).
+    """Return the mean square error of a cubic prediction by four neighbouring rows, per column (k,).
 
     In units of the noise that such a prediction has, so that noise alone scores the same for any times.
     """

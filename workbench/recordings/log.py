@@ -113,8 +113,7 @@ class Log:
         return self.pieces([(a, a, b) for a, b in zip(first, last, strict=True) if b - a > 1])
 
     def pieces(self, bounds: Sequence[tuple[int, int, int]]) -> Iterator[Stretch]:
-        """Yield rows from the first to before the last of each triple; the part that counts begins at the
-        middle.
+        """Yield rows from first to before last of each triple; what counts begins at the middle.
 
         The rows are those of `clock`; triples ascend, and may overlap. The table is read through once.
         """

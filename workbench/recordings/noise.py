@@ -88,8 +88,7 @@ def _resolution(recording: Recording, signal: str, axis: int) -> float:
 
 
 def _phase(recording: Recording) -> np.ndarray | None:
-    """Return the phase of each row (N,) between two ticks of the loop, as a number; None if all rows are
-    at ticks.
+    """Return each row's phase between two ticks of the loop (N,) as a number; None if all are at ticks.
 
     Where ticks lie between rows, a row's torque answers now this command and now the one before.
     """
@@ -118,8 +117,7 @@ def _velocity_noise(
 def _seen(
     v: np.ndarray, valid: np.ndarray, every: np.ndarray, axis: int, period: float, plain: float, driven: float
 ) -> bool:
-    """Return whether speed noise that passes through the loop would be visible beside the command's
-    integral.
+    """Return whether speed noise through the loop would be visible beside the command's integral.
 
     Above the slow cosines a signal can be told from its own neighbours, and so noise from the command that
     answers it. Noise is added, to the speed and by the loop's gain to the command: it has to come out.

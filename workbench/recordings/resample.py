@@ -65,8 +65,7 @@ def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
 def loop_keeps_time(
     signals: Mapping[str, np.ndarray], measured: np.ndarray, clock: Clock, loop_s: float | None
 ) -> bool:
-    """Return whether rows of a jittering clock, some before and some after a tick, show a loop that does
-    not jitter.
+    """Return whether rows of a jittering clock, some before, some after a tick, show a steady loop.
 
     Then rows were taken when their stamps say, and the loop read its sensors at other times.
 
@@ -143,8 +142,7 @@ def _moved(times: np.ndarray, values: np.ndarray, at: np.ndarray, most: float) -
 def _by_ticks(
     times: np.ndarray, values: np.ndarray, phase: float, period: float, at: np.ndarray, most: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what a loop held at other times (M,), if rows belong to its ticks; and which ticks no row
-    shows.
+    """Return what a loop held at other times (M,), if rows belong to its ticks; and ticks no row shows.
 
     These are made of the ticks beside them: by one that is at most so many off, or between two.
     """

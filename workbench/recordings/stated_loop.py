@@ -41,11 +41,9 @@ def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple
         return ()
     if len(values) != len(d.axes):
         raise InputError(
-            f"has {counted(len(values), 'value')} for {len(d.axes)} axes",
-            file=path,
-            column=f"controller.{key}",
-            remedy="give one number per axis",
-        )
+            f"has {counted(len(values), 'value')} for {len(d.axes)} axes", file=path,
+            column=f"controller.{key}", remedy="give one number per axis",
+        )  # fmt: skip
     if key == "limit" and min(values) <= 0:
         raise InputError("must be positive", file=path, column="controller.limit", remedy="give its size")
     return tuple(values)

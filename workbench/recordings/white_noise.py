@@ -90,9 +90,7 @@ def _each_by_itself(chosen: np.ndarray) -> np.ndarray:
 
 
 def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the part of windows (W, width) outside the span of `slow` cosines and commands, and its
-    freedom (W,).
-    """
+    """Return windows (W, width) outside `slow` cosines and commands, and their freedom (W,)."""
     width = windows.shape[1]
     basis = _slow_basis(width, slow)
     rest = windows - (windows @ basis) @ basis.T

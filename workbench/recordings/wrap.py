@@ -80,8 +80,7 @@ def unwrap(
     *,
     referred: bool = True,
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
-    """Return signals with every position continuous and moved by whole ranges to its reference, and notes
-    on it.
+    """Return signals with positions continuous and moved by whole ranges to references, and notes on it.
 
     Args:
         signals: name -> (N, n), SI.

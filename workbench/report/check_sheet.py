@@ -1,6 +1,4 @@
-"""The page of ``workbench check``: every quantity, the inertia of the variants, stability of explicit
-injection.
-"""
+"""The page of ``workbench check``: quantities, inertia of variants, stability of explicit injection."""
 
 from __future__ import annotations
 
@@ -26,11 +24,7 @@ def verification_sheet(result: Verification) -> Sheet:
         result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None
     )
     margin = (
-        (
-            "Tightest",
-            quantity_name(closest.name),
-            f"{closest.value:.1e} of {closest.tolerance:.0e} allowed",
-        )
+        ("Tightest", quantity_name(closest.name), f"{closest.value:.1e} of {closest.tolerance:.0e} allowed")
         if closest is not None
         else ("Tightest", "–", "")
     )

@@ -39,8 +39,7 @@ def overlay_figure(
     after: Comparison | None = None,
     window: tuple[float, float] | None = None,
 ) -> Figure:
-    """Return a figure: measured over simulated against time, and the residual with a band of twice the
-    noise.
+    """Return a figure: measured over simulated against time, the residual in a band of twice the noise.
 
     Args:
         comparison: the model as given.

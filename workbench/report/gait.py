@@ -15,9 +15,7 @@ from .layout import table, text
 
 
 def gait_table(result: Gait) -> Group:
-    """Return a table with one line per measure: both recordings, the gap, and that of the second
-    hardware run.
-    """
+    """Return a table with a line per measure: both recordings, the gap, that of the second run."""
     floor = [("hardware again", "right")] if result.again else []
     shown = table("measure", ("gap (95 %)", "right"), *floor)
     for m in result.measures:

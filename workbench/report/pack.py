@@ -93,9 +93,7 @@ def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any],
     return out, compress(b"".join(block.parts))
 
 
-def comparisons(
-    result: Result,
-) -> tuple[Comparison | None, Comparison | None]:
+def comparisons(result: Result) -> tuple[Comparison | None, Comparison | None]:
     """Return the comparisons of a result: with the model as given, and with the found effects, if any."""
     if isinstance(result, Comparison):
         return result, None

@@ -119,8 +119,7 @@ def _quantity(entry: RecordingError, against: Quantity, k: int) -> np.ndarray:
 
 
 def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -> Binned:
-    """Return the residual of one signal against speed, position, load or acceleration, pooled over
-    recordings.
+    """Return a signal's residual against speed, position, load or acceleration, all recordings together.
 
     Bins are of equal width over the middle 99 % of the quantity; those with few samples are left out.
     """
@@ -199,8 +198,7 @@ def noise_density(comparison: Comparison, axis: str, name: Signal) -> float:
 
 
 def min_max(values: np.ndarray, bins: int) -> tuple[np.ndarray, float]:
-    """Return `values` thinned for display: least and greatest of each of `bins` stretches, in order of
-    time.
+    """Return `values` thinned for display: least and greatest of each of `bins` stretches, by time.
 
     Args:
         values: shape (N,).

@@ -86,9 +86,7 @@ def response_panel(
 def error_row(
     label: str, frequency: np.ndarray, floor: np.ndarray, errors: Mapping[str, np.ndarray], low: float
 ) -> Row:
-    """Return relative errors (F,) in percent, over the error that the uncertainty of the measurement
-    explains.
-    """
+    """Return relative errors (F,) in percent, over what the measurement's uncertainty explains."""
     bottom = np.full(len(frequency), 100.0 * low)
     return Row(
         label,

@@ -22,9 +22,7 @@ from .trace import trace_table
 
 
 def trace_sheet(result: Diagnosis) -> Sheet:
-    """Return the page of a trace: a drawing, a table of what was tried, and alternatives of every added
-    effect.
-    """
+    """Return a trace's page: a drawing, a table of what was tried, alternatives of each effect."""
     trace = result.trace
     first = (
         "Each line starts from a model and adds effects. It replaces the best so far if it explains "

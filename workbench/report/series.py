@@ -17,11 +17,8 @@ from .residuals import SIGNALS, has
 Signals = Mapping[str, np.ndarray]
 
 
-def series_of(
-    result: Result,
-) -> Iterator[tuple[str, str, Recording, Signals]]:
-    """Return name of a recording, kinds of its signals, the recording with their times and rows, and the
-    signals.
+def series_of(result: Result) -> Iterator[tuple[str, str, Recording, Signals]]:
+    """Return a recording's name, kinds of its signals, recordings with times and rows, and the signals.
 
     What they are: ``measured``, ``simulated`` and ``residual`` (measured minus simulated), and where effects
     were found ``simulated_with_effects`` and ``residual_with_effects``. Names that occur again get a number.

@@ -19,8 +19,7 @@ _MOST = 4
 
 
 def shape_figure(result: Diagnosis) -> Figure:
-    """Return a figure: smooth functions that the missing torque follows, with twice their standard
-    deviation.
+    """Return a figure: smooth functions that the missing torque follows, with twice their deviation.
 
     Args:
         result: a diagnosis that has some.

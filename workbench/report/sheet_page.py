@@ -40,11 +40,7 @@ def write_sheet(
 
 
 def render_sheet(
-    sheet: Sheet,
-    *,
-    command: str,
-    seeds: Mapping[str, int] | None = None,
-    inputs: Sequence[str | Path] = (),
+    sheet: Sheet, *, command: str, seeds: Mapping[str, int] | None = None, inputs: Sequence[str | Path] = ()
 ) -> str:
     """Return the page as HTML text; see `write_sheet`."""
     panels = [p for s in sheet.sections for d in s.drawings for p in d.panels]

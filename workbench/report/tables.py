@@ -224,8 +224,8 @@ def _grouped(keys: Iterable[EffectKey]) -> str:
     return "; ".join(w.effect_phrases(keys))
 
 
-def _bar(error: float, top: float, width: int = 12) -> str:
+def _bar(error: float, top: float) -> str:
     """A bar proportional to the error, in characters every terminal has."""
     if not (top > 0 and error == error):
         return ""
-    return "#" * max(1, round(width * min(1.0, error / top)))
+    return "#" * max(1, round(12 * min(1.0, error / top)))

@@ -21,9 +21,7 @@ def quantity_name(check: str) -> str:
 
 
 def verification_table(result: Verification) -> Group:
-    """Return a table: verdict, every quantity with difference and tolerance, inertia of the variants, stated
-    facts.
-    """
+    """Return a table: verdict, quantities with difference and tolerance, variants' inertia, facts."""
     checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "unit", "between")
     for column in (1, 4):
         checks.columns[column].no_wrap = True

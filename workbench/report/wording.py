@@ -56,9 +56,7 @@ def effect_phrase(key: EffectKey) -> str:
 
 
 def sized_phrase(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
-    """Return effect, place and a single size: ``"Coulomb friction on the knee drive, 0.254 ± 0.003 N m
-    (95 %)"``.
-    """
+    """Return effect, place and one size: ``"viscous damping on the knee, 0.254 ± 0.003 N m s/rad"``."""
     size = single_value(parameters)
     if size and key.effect in _THINGS:
         return f"{_THINGS[key.effect]} of {size.removeprefix(', ')} {place(key)}"

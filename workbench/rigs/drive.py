@@ -136,9 +136,7 @@ class Heat:
         self._derating, self._filtered = derating, 0.0
 
     def kept(self, torque: float, duration: float) -> float:
-        """Return the mean gain over a piece of constant `torque` [N m] and `duration` [s]; never below
-        zero.
-        """
+        """Return the mean gain over `duration` [s] of constant `torque` [N m]; never below zero."""
         if self._derating is None:
             return 1.0
         goal, now, lag = torque * torque, self._filtered, self._derating.time_constant

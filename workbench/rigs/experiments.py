@@ -91,8 +91,7 @@ def multisine(
     period: float = 5.0,
     duration: float = 11.0,
 ) -> Experiment:
-    """Return a torque multisine with Schroeder phases on both motors, in phase (``sum``) or counterphase
-    (``difference``).
+    """Return a torque multisine with Schroeder phases on both motors: in phase (``sum``) or against it.
 
     `rms` [N m] a motor; all lines from 1/`period` to `f_max` [Hz].
     """
@@ -110,9 +109,7 @@ def multisine(
 
 
 def slow_sweep(duration: float = 15.0) -> Experiment:
-    """Return a sweep: both references move slowly through most of the range, at frequencies without a common
-    period.
-    """
+    """Return a sweep: references move slowly through most of the range, without a common period."""
     t = _clock(duration)
     hip = 0.55 * np.sin(2 * np.pi * 0.10 * t)
     knee = 0.5 * (np.sin(2 * np.pi * 0.07 * t + 1.0) - np.sin(1.0))
@@ -121,9 +118,7 @@ def slow_sweep(duration: float = 15.0) -> Experiment:
 
 
 def validation(seed: int, duration: float = 6.0) -> Experiment:
-    """Return five random tones in each reference, 0.5 to 6 Hz, and an independent random-phase multisine per
-    motor.
-    """
+    """Return five random tones in each reference, 0.5 to 6 Hz, and a random multisine per motor."""
     generator = np.random.default_rng([seed, 6])
     t = _clock(duration)
     frequencies = np.geomspace(0.5, 6.0, 6)

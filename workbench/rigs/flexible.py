@@ -1,5 +1,4 @@
-"""Equation of motion of the leg if motors, links and stand move relative to each other: two to six
-coordinates.
+"""Equation of motion of the leg whose motors, links and stand move by themselves: two to six coordinates.
 
 Angles are absolute, from straight down, and the stand's x points the way that a leg at a positive angle does.
 In order: thigh q1, shank q2, and where it moves on its own: motor 1, motor 2, crank, stand x. With c the

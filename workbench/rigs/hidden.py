@@ -88,89 +88,36 @@ def install(effect: HiddenEffect, machine: Machine) -> None:
 
 Installer = Callable[..., None]
 
-EFFECTS: Mapping[str, Installer] = MappingProxyType(
-    {
-        "viscous_damping": motion.viscous_damping,
-        "coulomb_friction": motion.coulomb_friction,
-        "stribeck_friction": motion.stribeck_friction,
-        "asymmetric_friction": motion.asymmetric_friction,
-        "load_dependent_friction": motion.load_dependent_friction,
-        "presliding_hysteresis": motion.presliding_hysteresis,
-        "quadratic_drag": motion.quadratic_drag,
-        "torque_constant_error": drive.torque_constant_error,
-        "torque_bias": drive.torque_bias,
-        "torque_saturation": drive.torque_saturation,
-        "speed_torque_limit": drive.speed_torque_limit,
-        "thermal_derating": drive.thermal_derating,
-        "cogging": motion.cogging,
-        "current_loop_lag": drive.current_loop_lag,
-        "command_delay": drive.command_delay,
-        "sensor_delay": sensing.sensor_delay,
-        "velocity_filter_lag": sensing.velocity_filter_lag,
-        "controller_gain_error": sensing.controller_gain_error,
-        "backlash": flexible.backlash,
-        "joint_compliance": flexible.joint_compliance,
-        "reflected_inertia": drive.reflected_inertia,
-        "linkage_inertia": drive.linkage_inertia,
-        "linkage_gravity": drive.linkage_gravity,
-        "payload_mass": drive.payload_mass,
-        "parallel_spring": motion.parallel_spring,
-        "encoder_offset": sensing.encoder_offset,
-        "encoder_scale": sensing.encoder_scale,
-        "encoder_eccentricity": sensing.encoder_eccentricity,
-        "link_length_error": flexible.link_length_error,
-        "base_compliance": flexible.base_compliance,
-    }
-)
-OUTSIDERS: Mapping[str, Installer] = MappingProxyType(
-    {
-        "periodic_disturbance": drive.periodic_disturbance,
-        "random_walk_torque": drive.random_walk_torque,
-        "cubic_spring": motion.cubic_spring,
-        "position_dependent_friction": motion.position_dependent_friction,
-        "rough_patch": outside.rough_patch,
-        "one_sided_spring": outside.one_sided_spring,
-        "cross_spring": outside.cross_spring,
-        "cross_damping": outside.cross_damping,
-        "drifting_torque": outside.drifting_torque,
-        "torque_hysteresis": outside.torque_hysteresis,
-        "torque_deadband": outside.torque_deadband,
-        "torque_dropout": outside.torque_dropout,
-    }
-)
-WITHOUT_AXIS = frozenset(
-    {
-        "command_delay",
-        "sensor_delay",
-        "linkage_inertia",
-        "linkage_gravity",
-        "payload_mass",
-        "base_compliance",
-        "cross_spring",
-        "contact_compliance",
-        "ground_friction",
-    }
-)
-AT_JOINTS = frozenset(
-    {
-        "viscous_damping",
-        "coulomb_friction",
-        "stribeck_friction",
-        "asymmetric_friction",
-        "load_dependent_friction",
-        "presliding_hysteresis",
-        "quadratic_drag",
-        "backlash",
-        "joint_compliance",
-        "parallel_spring",
-        "cubic_spring",
-        "position_dependent_friction",
-        "rough_patch",
-        "one_sided_spring",
-    }
-)
+
+def _by_name(*installers: Installer) -> Mapping[str, Installer]:
+    return MappingProxyType({each.__name__: each for each in installers})
+
+
+EFFECTS = _by_name(
+    motion.viscous_damping, motion.coulomb_friction, motion.stribeck_friction, motion.asymmetric_friction,
+    motion.load_dependent_friction, motion.presliding_hysteresis, motion.quadratic_drag,
+    drive.torque_constant_error, drive.torque_bias, drive.torque_saturation, drive.speed_torque_limit,
+    drive.thermal_derating, motion.cogging, drive.current_loop_lag, drive.command_delay, sensing.sensor_delay,
+    sensing.velocity_filter_lag, sensing.controller_gain_error, flexible.backlash, flexible.joint_compliance,
+    drive.reflected_inertia, drive.linkage_inertia, drive.linkage_gravity, drive.payload_mass,
+    motion.parallel_spring, sensing.encoder_offset, sensing.encoder_scale, sensing.encoder_eccentricity,
+    flexible.link_length_error, flexible.base_compliance,
+)  # fmt: skip
+OUTSIDERS = _by_name(
+    drive.periodic_disturbance, drive.random_walk_torque, motion.cubic_spring,
+    motion.position_dependent_friction, outside.rough_patch, outside.one_sided_spring, outside.cross_spring,
+    outside.cross_damping, outside.drifting_torque, outside.torque_hysteresis, outside.torque_deadband,
+    outside.torque_dropout,
+)  # fmt: skip
+WITHOUT_AXIS = frozenset((
+    "command_delay", "sensor_delay", "linkage_inertia", "linkage_gravity", "payload_mass", "base_compliance",
+    "cross_spring", "contact_compliance", "ground_friction",
+))  # fmt: skip
+AT_JOINTS = frozenset((
+    "viscous_damping", "coulomb_friction", "stribeck_friction", "asymmetric_friction",
+    "load_dependent_friction", "presliding_hysteresis", "quadratic_drag", "backlash", "joint_compliance",
+    "parallel_spring", "cubic_spring", "position_dependent_friction", "rough_patch", "one_sided_spring",
+))  # fmt: skip
 #: Of a leg that stands on a plate.
-ON_A_PLATE: Mapping[str, Installer] = MappingProxyType(
-    {"contact_compliance": plate.contact_compliance, "ground_friction": plate.ground_friction}
-)
+ON_A_PLATE = _by_name(plate.contact_compliance, plate.ground_friction)
 _ALL: Mapping[str, Installer] = MappingProxyType({**EFFECTS, **ON_A_PLATE, **OUTSIDERS})

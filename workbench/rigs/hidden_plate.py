@@ -23,7 +23,6 @@ def ground_friction(machine: Machine, at: Place, *, coefficient: float) -> None:
 def _plate(machine: Machine) -> Plate:
     if machine.plate is None:
         raise InputError(
-            "this leg stands on no ground",
-            remedy="hide it in a leg on a plate: record leg_on_plate",
+            "this leg stands on no ground", remedy="hide it in a leg on a plate: record leg_on_plate"
         )
     return machine.plate

@@ -51,9 +51,7 @@ class Integrator:
         return state
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
-        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and
-        bias).
-        """
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m] (gain and bias in)."""
         steps = max(1, int(duration / STEP + 0.999999))
         h = duration / steps
         if not self._frictions:

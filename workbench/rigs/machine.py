@@ -167,9 +167,7 @@ def unmeasured(
     still: Sequence[float], disturbances: Sequence[tuple[int, Disturbance]], time: np.ndarray,
     generator: np.random.Generator,
 ) -> np.ndarray:  # fmt: skip
-    """Return the torque that no sensor sees at `time` (N,) [s]: `still` (n,) and all disturbances, (N,
-    n) [N m].
-    """
+    """Return torque that no sensor sees at `time` (N,) [s]: `still` (n,) and disturbances, (N, n) [N m]."""
     total = np.tile(np.array(still), (len(time), 1))
     for axis, disturbance in disturbances:
         total[:, axis] += disturbance(time, generator)
@@ -177,7 +175,5 @@ def unmeasured(
 
 
 def rows_ahead(disturbances: Sequence[object], row: float) -> np.ndarray:
-    """Return midpoints (N,) of the rows after which disturbances of a live machine repeat [s]; one if there
-    are none.
-    """
+    """Return midpoints (N,) of rows after which a live machine's disturbances repeat [s]; one if none."""
     return (np.arange(round(_AHEAD / row) if disturbances else 1) + 0.5) * row

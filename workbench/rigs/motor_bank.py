@@ -134,9 +134,7 @@ class MotorBank:
         return said
 
     def work(self, now: float) -> list[tuple[str, Frame]]:
-        """Simulate one row that begins now [s]; return what motors and inertial unit send: axis (or `IMU`),
-        frame.
-        """
+        """Simulate a row that begins now [s]; return what motors and `IMU` send: axis, frame."""
         said: list[tuple[str, Frame]] = []
         for plant, motors in self._plants:
             for motor in motors:

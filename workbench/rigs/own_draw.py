@@ -15,8 +15,7 @@ _PLAIN = (
 
 
 def draw_own(machine: OwnMachine, clean: Recording, seed: int) -> HiddenIn:
-    """Return one effect at one drive, with a size that is clearly visible in torque and motion of the
-    clean run.
+    """Return one effect at one drive, of a size that torque and motion of the clean run clearly show.
 
     Args:
         machine: where it will be.

@@ -12,8 +12,7 @@ from .own_machine import OwnMachine
 
 
 class OwnDrives:
-    """Delay, limits, current-loop lag (here the torque is measured), nonlinear stages, gain, heat and
-    bias.
+    """Delay, limits, current-loop lag (torque is measured here), nonlinear stages, gain, heat, bias.
 
     A delay need not be whole pieces: over the piece in which a command changes, the mean acts.
 
@@ -41,9 +40,7 @@ class OwnDrives:
         self._pending.pop(0)
 
     def measured(self, speed: np.ndarray) -> np.ndarray:
-        """Return readings of the torque sensors as the piece begins (n,), with rotors at `speed` (n,)
-        [rad/s].
-        """
+        """Return the torque sensors' readings as the piece begins (n,), rotors at `speed` (n,) [rad/s]."""
         target = self._within(self._pending[0 if self._old else 1], speed)
         return np.where(self._kept > 0.0, self._current, target)
 

@@ -28,8 +28,7 @@ class OwnLinks:
         self.units = self._chain.units
 
     def start(self, joints: np.ndarray | None) -> np.ndarray:
-        """Return drive positions (n,) at serial positions `joints` (n,), or where the mechanism was
-        assembled.
+        """Return drive positions (n,) at serial positions `joints` (n,), or where it was assembled.
 
         Raises:
             SimulationError: the loops cannot be closed there.

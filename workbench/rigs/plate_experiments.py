@@ -14,9 +14,7 @@ from .standing_leg import Plate, reach
 
 
 def plate_experiments(seed: int = 0, duration: float = 2.0) -> tuple[Experiment, ...]:
-    """Return press, step, slide, and a mixture for testing; each of `duration` [s]; `seed` draws the
-    mixture.
-    """
+    """Return press, step, slide, and a mixture for testing that `seed` draws; `duration` [s] each."""
     t = np.arange(round(duration / ROW_PERIOD)) * ROW_PERIOD
     ease = np.clip(t / 0.3, 0.0, 1.0) ** 2 * (3.0 - 2.0 * np.clip(t / 0.3, 0.0, 1.0))
     wave = 2.0 * np.pi * t

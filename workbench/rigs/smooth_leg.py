@@ -28,9 +28,7 @@ def passive_torque(passive: Passive) -> PassiveTorque:
 def smooth_acceleration(
     structure: LegStructure, damping: tuple[float, float], passive: tuple[PassiveTorque, ...]
 ) -> Callable[[float, float, float, float, float, float], tuple[float, float]]:
-    """Return the acceleration without dry friction as one closure over plain floats, because it runs a
-    million times.
-    """
+    """Return the acceleration without dry friction as a closure over floats: it runs a million times."""
     m11, m12, m22, g1, g2 = structure.m11, structure.m12, structure.m22, structure.g1, structure.g2
     b1, b2 = damping
     diagonal = m11 * m22

@@ -30,9 +30,7 @@ class Speaker(Protocol):
         ...
 
     def asked(self, frame: Frame) -> Any:
-        """Return what a frame asks: a setpoint, an action, a parameter, a reading; one, several, or
-        nothing.
-        """
+        """Return what a frame asks: setpoint, action, parameter, reading; one, several, or nothing."""
         ...
 
     def answer(self, feedback: Feedback) -> Frame | tuple[Frame, ...]:

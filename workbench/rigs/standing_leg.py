@@ -65,9 +65,7 @@ class Contact:
         return (held if abs(held) < most else copysign(most, held)), up
 
     def torque(self, q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        """Return the torque of this force on the motors [N m]; foot and plate yield equally, so it acts
-        halfway.
-        """
+        """Return this force's torque on the motors [N m]; it acts halfway, as foot and plate yield alike."""
         along, up = self.force(q1, q2, v1, v2)
         plate = self._plate
         depth = plate.height + plate.radius + self._thigh * cos(q1) + self._shank * cos(q2)

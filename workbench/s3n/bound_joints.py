@@ -32,8 +32,7 @@ def couple(
 
 
 def bound_joints(m: mujoco.MjModel, mechanism: Mechanism) -> BoundJoints:
-    """Return the couplings of a mechanism, for its tree in MuJoCo with loops cut open and without a free
-    base.
+    """Return a mechanism's couplings, for its tree in MuJoCo with loops cut open and no free base.
 
     Raises:
         InputError: a joint is not in the tree.

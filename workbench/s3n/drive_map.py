@@ -18,8 +18,7 @@ _ALLOWED = 1e-3  # rad or m
 
 
 def drive_map(model: Model, chain: PostureDependent | None = None) -> DriveMap | None:
-    """Return the drives' positions over a model's limits to a microradian; None where the transmission is
-    constant.
+    """Return drive positions over a model's limits to a microradian; None for a constant transmission.
 
     Args:
         model: names its closed chain and limits.

@@ -55,9 +55,7 @@ class Inertial:
 
     @property
     def is_body(self) -> bool:
-        """Return whether a body can have these properties: positive, and no moment above the sum of the
-        others.
-        """
+        """Return whether a body can have these: positive, and no moment above the sum of the others."""
         if self.mass <= 0.0 or not np.isfinite(self.central).all():
             return False
         low, middle, high = np.linalg.eigvalsh(self.central)
@@ -65,9 +63,7 @@ class Inertial:
 
 
 def body_inertial(m: mujoco.MjModel, body: int, in_parent: bool) -> Inertial:
-    """Return the inertial of one compiled body, in its own frame or (a body without joints) in its
-    parent's.
-    """
+    """Return a compiled body's inertial, in its own frame or (without joints) in its parent's."""
     mass, share = float(m.body_mass[body]), 1.0 - float(m.body_gravcomp[body])
     turn, centre = _rotation(m.body_iquat[body]), m.body_ipos[body].copy()
     if in_parent:
@@ -79,8 +75,7 @@ def body_inertial(m: mujoco.MjModel, body: int, in_parent: bool) -> Inertial:
 
 
 def as_one(total: Inertial) -> tuple[Inertial, float] | None:
-    """Return the single body with this inertia and these weights, and its gravity compensation; None if none
-    exists.
+    """Return the one body with this inertia and weights, and its gravity compensation; None if none.
 
     Returns:
         ``(body, left)``: and the weight [kg] that is left to act at the frame's origin; None where the two
@@ -100,8 +95,7 @@ def as_one(total: Inertial) -> tuple[Inertial, float] | None:
 
 
 def about_a_fixed_axis(total: Inertial) -> Inertial | None:
-    """Return an equivalent inertial with another centre of mass, for a link that turns about a fixed axis
-    through its origin.
+    """Return an equivalent inertial with another centre, for a link that turns about a fixed axis.
 
     There only the inertia about the axis and the moment of the weights act; both stay. None where no body
     has such an inertia.

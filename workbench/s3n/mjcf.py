@@ -13,9 +13,7 @@ _DIGITS = 15  # 0.1 is written as 0.1, and reads back to a relative 1e-15
 
 
 def exact_xml(spec: mujoco.MjSpec) -> str:
-    """Return a compiled spec as text with all digits; MuJoCo's own writer keeps six, an error of 1e-6 of an
-    inertia.
-    """
+    """Return a compiled spec as text with all digits; MuJoCo's writer keeps six: 1e-6 of an inertia."""
     with _digits(_DIGITS):
         return spec.to_xml()
 

@@ -114,8 +114,7 @@ def normalise(
 
 
 def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = False) -> Path:
-    """Write the MJCF file completely or not at all, and return its path; meshes and textures are relative to
-    it.
+    """Write the MJCF file whole or not at all, and return its path; meshes, textures relative to it.
 
     Those that do not lie beside or below it are copied to where it lies.
 

@@ -153,14 +153,6 @@ class PostureDependent:
         """Mass matrix (N, n, n) [kg m^2] at `q` (N, n)."""
         return self.dynamics(q).mass
 
-    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Coriolis and centrifugal torque (N, n) [N m] at `q`, `v` (N, n)."""
-        return self.dynamics(q, v).bias
-
-    def gravity(self, q: np.ndarray) -> np.ndarray:
-        """Torque of gravity (N, n) [N m] at `q` (N, n)."""
-        return self.at(q).gravity
-
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """J (N, n, n), d q_p / d q_s at `q` (N, n)."""
         return self.at(q).jacobian

@@ -73,22 +73,6 @@ class PostureChain:
         rows = [self._state(*state) for state in zip(q, v, strict=True)]
         return PostureDynamics(*(np.array(column) for column in zip(*rows, strict=True)))
 
-    def mass(self, q: np.ndarray) -> np.ndarray:
-        """Mass matrix (N, n, n) [kg m^2] at `q` (N, n)."""
-        return self.dynamics(q).mass
-
-    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Coriolis and centrifugal torque (N, n) [N m] at `q`, `v` (N, n)."""
-        return self.dynamics(q, v).bias
-
-    def gravity(self, q: np.ndarray) -> np.ndarray:
-        """Torque of gravity (N, n) [N m] at `q` (N, n)."""
-        return self.dynamics(q).gravity
-
-    def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """J (N, n, n), d q_p / d q_s at `q` (N, n)."""
-        return self.dynamics(q).jacobian
-
     def margin(self, q: np.ndarray) -> np.ndarray:
         """Return the distance of `q` (N, n) from a singular posture (N,): 1 at best, 0 there."""
         return np.array([self._closure.at(row).margin for row in np.atleast_2d(q)])

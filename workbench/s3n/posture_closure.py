@@ -1,5 +1,4 @@
-"""A mechanism's loops closed in MuJoCo at serial joint positions, on the branch that the start posture lies
-on.
+"""A mechanism's loops closed in MuJoCo at serial joint positions, on the start posture's branch.
 
 The loops are cut, which leaves a tree with coordinates theta (N,); `core.closure` solves them with the serial
 joints as independent coordinates. Where phi_d loses rank the joints do not determine the drives; where J, the
@@ -101,15 +100,11 @@ class LoopClosure:
         return self._closure.at(self._begun)
 
     def along(self, origin: ClosedPosture, q: np.ndarray) -> ClosedPosture | None:
-        """Return the closed posture at serial positions `q` (n,), reached straight from `origin`; None if
-        that fails.
-        """
+        """Return the closed posture at `q` (n,), reached straight from `origin`; None if that fails."""
         return self._closure.along(origin, q)
 
     def gamma(self, posture: Posture, rates: np.ndarray) -> np.ndarray:
-        """Return the acceleration of the tree (N,) at a posture and rates (N,) while the joints do not
-        accelerate.
-        """
+        """Return the tree's acceleration (N,) at a posture and rates (N,) if joints do not accelerate."""
         self.data.qvel[:] = rates
         mujoco.mj_comVel(self.m, self.data)
         return self._closure.gamma(posture.inverse)

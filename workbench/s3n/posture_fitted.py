@@ -40,12 +40,7 @@ class FittedTree(NormalisedTree):
 
 
 def fit_native(
-    model: Model,
-    *,
-    allow: float | None = ALLOWED,
-    branches: int = 8,
-    integrator: str | None = "implicitfast",
-    chain: PostureDependent | None = None,
+    model: Model, *, allow: float | None = ALLOWED, branches: int = 8, chain: PostureDependent | None = None
 ) -> FittedTree:
     """Return a model's serial tree fitted to its closed chain; takes some seconds.
 
@@ -58,7 +53,6 @@ def fit_native(
         model: with a closed chain and its limits.
         allow: largest relative error of the inertia; None for any.
         branches: distances that add up to a drive's position, at most; more are nearer and cost more a step.
-        integrator: of the file; None keeps the user's.
         chain: the mechanism, if it is at hand.
 
     Raises:
@@ -79,8 +73,7 @@ def fit_native(
         spec.delete(sensor)
     for actuator in list(spec.actuators):
         spec.delete(actuator)
-    if integrator is not None:
-        spec.option.integrator = INTEGRATORS[integrator]
+    spec.option.integrator = INTEGRATORS["implicitfast"]
     tendons = write_fit(found, spec)
     there = on_drives(model)
     own = there.carried is not None

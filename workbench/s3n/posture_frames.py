@@ -1,6 +1,4 @@
-"""Points fixed to the bodies of a serial tree, at many postures at once; positions are linear in the points'
-coordinates.
-"""
+"""Points fixed to bodies of a serial tree, at many postures at once; linear in their coordinates."""
 
 from __future__ import annotations
 
@@ -61,8 +59,7 @@ class Frames:
 
 
 def frames(m: mujoco.MjModel, model: Model, q: np.ndarray) -> Frames:
-    """Return the frames of a compiled serial tree at postures `q` (N, n); other joints stay at their
-    start.
+    """Return a compiled serial tree's frames at postures `q` (N, n); other joints stay at their start.
 
     Raises:
         InputError: a body carries two of the joints.
@@ -96,8 +93,7 @@ def frames(m: mujoco.MjModel, model: Model, q: np.ndarray) -> Frames:
 
 
 def _basis(m: mujoco.MjModel, data: mujoco.MjData, model: Model, turn: np.ndarray) -> np.ndarray:
-    """Return the free directions (B, 3, m) of a point, in the frames of bodies with rotations `turn` (B, 3,
-    3).
+    """Return a point's free directions (B, 3, m), in frames of bodies with rotations `turn` (B, 3, 3).
 
     They depend on the bodies alone: points keep their coordinates from one set of postures to another.
     """

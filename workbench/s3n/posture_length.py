@@ -184,8 +184,7 @@ class _Problem:
 
 
 def _gaps(distance: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return how much shorter than the least length branches are (K,), and the derivatives to all numbers (K,
-    X).
+    """Return how much shorter than the least length branches are (K,), and derivatives to all (K, X).
 
     Args:
         distance: (K, N).

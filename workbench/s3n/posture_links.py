@@ -77,10 +77,10 @@ class Wanted:
     size: float
 
 
-def carry(wanted: Wanted, seed: int = 3) -> Carried:
+def carry(wanted: Wanted) -> Carried:
     """Return the bodies, rotors and springs that come nearest to the wanted inertia and weight."""
     w, f = wanted, wanted.frames
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng(3)
     n, links = w.mass.shape[1], range(1, len(f.bodies))
     bodies = np.repeat(links, _POINTS)
     points = w.size * generator.standard_normal((len(bodies), f.ways))
@@ -113,9 +113,7 @@ def carry(wanted: Wanted, seed: int = 3) -> Carried:
 
 
 def _columns(w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int]) -> np.ndarray:
-    """Return the change (K, R) that one unit of each choice makes: in inertia, weight, total mass, and its
-    penalty.
-    """
+    """Return what one unit of each choice changes (K, R): inertia, weight, total mass, its penalty."""
     white = np.linalg.inv(np.linalg.cholesky(w.whole))
     share = 1.0 / np.sqrt(len(w.mass))
     turned = share * (white @ inertia @ white.transpose(0, 2, 1)).reshape(len(inertia), -1)

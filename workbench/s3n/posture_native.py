@@ -1,5 +1,4 @@
-"""What is written into a serial tree so that it moves like a posture-dependent mechanism without work at each
-step.
+"""What is written into a serial tree so that it moves like a posture-dependent mechanism by itself.
 
 Each drive is a tendon whose length is the drive's position as nearly as a sum of distances can be
 (`posture_length`), with the rotor as its armature. Links, rotors and springs carry the rest
@@ -130,9 +129,7 @@ def _nodes(box: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
 
 
 def _slope(x: np.ndarray) -> np.ndarray:
-    """Return the differentiation matrix (K, K) of the polynomial through values at `x` (K,), by barycentric
-    weights.
-    """
+    """Return the differentiation matrix (K, K) through values at `x` (K,), by barycentric weights."""
     apart = x[:, None] - x + np.eye(len(x))
     weights = 1.0 / apart.prod(axis=1)
     out = weights / weights[:, None] / apart
@@ -164,8 +161,6 @@ def _beside_the_links(
 
 
 def _centre_jacobian(f: Frames, body: int, centre: np.ndarray) -> np.ndarray:
-    """Return d centre / d q (N, 3, n) in the body's axes, without the direction that a planar mechanism
-    cannot feel.
-    """
+    """Return d centre / d q (N, 3, n) in the body's axes, without what a planar mechanism cannot feel."""
     _, jacobian = f.place(np.array([body]), (centre @ f.basis[body])[None])
     return jacobian[0]

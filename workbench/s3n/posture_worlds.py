@@ -58,9 +58,7 @@ class ScheduledWorld(World):
             done += count
 
     def acceleration(self, position: np.ndarray, velocity: np.ndarray, torque: np.ndarray) -> np.ndarray:
-        """Return MuJoCo's acceleration (n,) for a state and a torque on the drives; the world stays at that
-        state.
-        """
+        """Return MuJoCo's acceleration (n,) for a state and torque on the drives; the world stays there."""
         self.put(position, velocity)
         self.data.qacc[:] = 0.0
         self._write(torque)
@@ -90,8 +88,7 @@ def look_ahead(step: float, integrator: str, hold: int) -> float:
 
 
 def looking_ahead(q: np.ndarray, v: np.ndarray, a: np.ndarray, ahead: float) -> State:
-    """Return positions and rates (N, n) at a time `ahead` [s] later, by the acceleration `a` of the preceding
-    step.
+    """Return positions and rates (N, n) `ahead` [s] later, by acceleration `a` of the preceding step.
 
     Off by the square of the step where the torque does not jump, so that what is held over a step errs by
     the step's square.

@@ -142,9 +142,7 @@ class _Growth:
         return found
 
     def _measures(self, at: Posture) -> np.ndarray:
-        """Return distances from a dead point of the loops and of the drives; a change of sign is a dead point
-        passed.
-        """
+        """Return distances from a dead point of loops and drives; a change of sign is one passed."""
         assert at.slope is not None
         return np.array([at.margin, float(np.linalg.det(at.slope[self._loops.drives]))])
 

@@ -45,9 +45,7 @@ def _read(root: ElementTree.Element, file: Path) -> SdfTree:
     placed: dict[str, Pose] = {}
 
     def place(link: str) -> Pose:
-        """Return the pose of a link in the root link's frame, joints at zero; a link's own frame is its
-        joint's.
-        """
+        """Return a link's pose in the root link's frame, joints at zero; its own frame is its joint's."""
         if link not in placed:
             placed[link] = HERE  # ends a chain of links that hang on each other
             if link in holders:

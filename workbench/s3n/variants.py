@@ -49,8 +49,7 @@ def with_variant(model: Model, variant: str) -> Model:
 
 
 def usual_variant(model: Model) -> str:
-    """Return the variant that a plain MJCF is written as by default: all stated physics that the tree can
-    hold.
+    """Return the variant that plain MJCF is written as by default: all stated physics a tree can hold.
 
     The linkage's inertia where it is known, at least the drives' where one moves several joints; a model that
     states more than Kin-Only keeps its own variant.

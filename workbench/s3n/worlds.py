@@ -1,6 +1,4 @@
-"""Each variant as a world that takes steps: a MuJoCo model, with torques added at every step if it needs
-them.
-"""
+"""Each variant as a world that takes steps: a MuJoCo model, with torques added where it needs them."""
 
 from __future__ import annotations
 

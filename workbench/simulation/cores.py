@@ -16,9 +16,7 @@ _cores = os.cpu_count() or 1
 
 
 def use_cores(count: int) -> None:
-    """Use at most this many cores from now on, for a process that shares the machine with others of its
-    kind.
-    """
+    """Use at most this many cores from now on, for a process that shares the machine with its kind."""
     global _cores
     _cores = max(1, count)
 

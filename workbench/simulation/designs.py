@@ -59,9 +59,7 @@ def _called(model: Model) -> str:
 
 
 def joint_limits(model: Model) -> list[tuple[float, float]]:
-    """Return the range of every joint [rad or m]: that of the mechanism, otherwise of the serial tree,
-    otherwise none.
-    """
+    """Return every joint's range [rad or m]: the mechanism's, else the serial tree's, else none."""
     if model.closed_chain is not None and model.closed_chain.limits:
         return list(model.closed_chain.limits)
     tree = load_tree(model.serial).compile()
@@ -130,8 +128,7 @@ def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mappi
 
 
 def as_recording(model: Model, design: Design, experiment: int) -> Recording:
-    """Return an experiment of a design as a recording to simulate: at rest in its posture, without
-    measurements.
+    """Return a design's experiment as a recording to simulate: at rest in its posture, nothing measured.
 
     Raises:
         InputError: the design drives a reference, and the model has no loop that follows it.

@@ -64,8 +64,7 @@ class Experiment:
         return (len(self.recording) - 1) * self.stride
 
     def at_ticks(self, rows: np.ndarray, held: bool | None = None) -> np.ndarray:
-        """Return a signal (N, n) as read at the T ticks (T, n): smooth signals are interpolated, held ones
-        stay constant.
+        """Return a signal (N, n) as read at T ticks (T, n): interpolated if smooth, constant if held.
 
         Where `held` does not say which it is, the signal does.
         """
@@ -76,9 +75,7 @@ class Experiment:
         return CubicSpline(np.arange(len(rows)), rows)(self.ticks / self.stride)
 
     def delay(self, total: float, model: Model) -> float:
-        """Return the part of the `total` delay [s] of the chain between the replayed torque and the
-        mechanism.
-        """
+        """Return the part of the chain's `total` delay [s] from replayed torque to mechanism."""
         gone = {"none": 0.0, "motor": model.actuators.delay_s, "all": total}[self.behind]
         return max(total - gone, 0.0)
 
@@ -179,8 +176,7 @@ def _before(measured: np.ndarray | None, command: np.ndarray | None, n: int) -> 
 
 
 def scored_torque(recording: Recording) -> str | None:
-    """Return the name of the torque that is compared: the measured one, otherwise the command,
-    otherwise None.
+    """Return the name of the torque that is compared: the measured one, else the command, else None.
 
     A "measured" torque that is the command itself, row for row, was not measured behind the drive. On the
     ground it is that of the ground.
@@ -194,8 +190,7 @@ def scored_torque(recording: Recording) -> str | None:
 
 
 def check_axes(recording: Recording, model: Model) -> None:
-    """Check that the axes of a recording are those of the model, in its order, and of the same kind (hinge
-    or slide).
+    """Check that a recording's axes are the model's, in its order and of its kinds (hinge or slide).
 
     Raises:
         InputError: an axis is unknown, missing, out of order, or in the other kind's unit.

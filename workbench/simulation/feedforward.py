@@ -12,8 +12,7 @@ _TOLD = 0.5  # times what the other reading leaves of the command
 
 
 def feedforward_of_drives(recording: Recording, controller: Controller, transmission: np.ndarray) -> bool:
-    """Return whether a log in joint coordinates has its feedforward in drive coordinates, if loops may add
-    it there.
+    """Return whether a log in joint coordinates has drives' feedforward, if loops may add it there.
 
     The logged command tells: it is the law of what was read at a tick, and the feedforward. Where it was not
     logged, or says nothing, the feedforward is in the log's own coordinates as all else is.

@@ -25,8 +25,7 @@ def initial_state(
     to_actuator: np.ndarray,
     j: np.ndarray,
 ) -> np.ndarray:
-    """Return the initial (q_s, rate), (2, n): at rest at the first reference, unless the first rows show
-    something else.
+    """Return the initial (q_s, rate), (2, n): at rest at the first reference, unless first rows differ.
 
     Args:
         recording: what is replayed.

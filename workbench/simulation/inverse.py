@@ -17,8 +17,7 @@ from .trajectory import Track
 def required_torque(
     plant: Plant, track: Track, step: float | None = None, rigid: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return the motor torque (N, n) at the point of measurement that a track needs, actuator coordinates,
-    by inverse dynamics.
+    """Return the motor torque (N, n) where it is measured that a track needs, actuator coordinates.
 
     Dry friction acts against the motion with its full bound; the chain's gain and bias are undone, and what
     heat takes where the rows' `step` [s] is given. `rigid`: the `rigid_torque` of this track, where known.
@@ -39,8 +38,7 @@ def required_torque(
 
 
 def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
-    """Return the torque of the serial joints (N, n) that MuJoCo's model needs for a track, without dry
-    friction.
+    """Return the serial joints' torque (N, n) that MuJoCo's model needs for a track, dry friction aside.
 
     Links and motors move as one: what bends is taken as rigid.
     """
@@ -68,9 +66,7 @@ def copy_without_friction(m: mujoco.MjModel) -> mujoco.MjModel:
 
 
 def laws_of_state(plant: Plant, track: Track) -> np.ndarray:
-    """Return the torque of the state-dependent laws of the chain along a track, (N, n), actuator
-    coordinates.
-    """
+    """Return the torque of the chain's state-dependent laws along a track, (N, n), actuator coordinates."""
     total = np.zeros_like(track.velocity)
     for term in plant.chain.torques:
         row = _row(plant, term.tendon)

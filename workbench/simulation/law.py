@@ -14,8 +14,7 @@ from .trajectory import Track
 
 
 def law_torque(recording: Recording, plant: Plant, track: Track, ahead: float = 0.0) -> np.ndarray:
-    """Return the torque (N, n) of the drives, actuator coordinates; the mean over one row time from
-    each row on.
+    """Return the drives' torque (N, n), actuator coordinates; its mean over a row's time from each row.
 
     The loop reads the motion at each of its ticks, between rows too, holds its command until the next one,
     and the model's delay and torque limits follow.

@@ -70,8 +70,7 @@ class Loop:
 
 
 def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarray | None = None) -> Loop:
-    """Return mechanism and loop linearised along a track; dry friction is left out because it has no
-    slope.
+    """Return mechanism and loop linearised along a track; dry friction, without a slope, is left out.
 
     `gain` (N, n) of the motors along the track, where it is not that of the chain.
     """
@@ -150,9 +149,7 @@ def _saturated(plant: Plant, e: Experiment, track: Track) -> np.ndarray:
 
 
 def slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]:
-    """Return rows and, at these rows, M, C = d(inverse dynamics)/d(rate), K = d/d(position); joint
-    coordinates.
-    """
+    """Return rows and there M, C = d(inverse dynamics)/d(rate), K = d/d(position); joint coordinates."""
     m = copy.copy(plant.mujoco)
     m.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER  # the derivative functions know no Runge-Kutta
     m.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)

@@ -138,13 +138,7 @@ def march(a: Around, r: Reading, fresh: np.ndarray, position: np.ndarray, tap: n
 
 @compiled()
 def _look(
-    r: Reading,
-    state: np.ndarray,
-    k: int,
-    row: int,
-    seen: np.ndarray,
-    slow: np.ndarray,
-    before: np.ndarray,
+    r: Reading, state: np.ndarray, k: int, row: int, seen: np.ndarray, slow: np.ndarray, before: np.ndarray
 ) -> None:
     """Position and rate (2n, C) that are read at substep `k`; called at every one where it remembers."""
     n, late = len(slow), len(before)

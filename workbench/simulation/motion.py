@@ -120,9 +120,7 @@ def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
-    """Return the mass matrix (N, n, n) in actuator coordinates along a track, with links and rotors rigidly
-    connected.
-    """
+    """Return the mass matrix (N, n, n), actuator coordinates, along a track, links and rotors as one."""
     back = np.linalg.inv(plant.model.transmission)
     masses = _along(plant, track, lambda at: plant.lift.T @ mass_matrices(plant.mujoco, at) @ plant.lift)
     tree = back.T @ masses @ back
@@ -144,8 +142,7 @@ def _along(plant: Plant, track: Track, of: Callable[[np.ndarray], np.ndarray]) -
 
 
 def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | None:
-    """Return the torque command (N, n) of a stated loop along a track, actuator coordinates, without
-    limits.
+    """Return a stated loop's torque command (N, n) along a track, actuator coordinates, no limits.
 
     None where no loop is stated, or one that has a limit of its own.
     """
@@ -161,8 +158,7 @@ def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | 
 
 
 def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:
-    """Return the parts of the torque command from the stated gains of one controller axis along a track, (2,
-    N, n).
+    """Return parts of the torque command by the stated gains of one controller axis, (2, N, n).
 
     First the share that grows with the gain on position (kp), then that with the gain on velocity (kd of a
     PD loop, kv of a cascade), in actuator coordinates, held from tick to tick; zero for an open loop.

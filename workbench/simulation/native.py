@@ -40,9 +40,7 @@ def inverse_forces(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarr
 
 
 def inverse_slopes(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """Return derivatives of these forces by acceleration, rate and position, (3, N, nv, nv); the force is
-    the row index.
-    """
+    """Return these forces' derivatives by acceleration, rate, position, (3, N, nv, nv), force first."""
     data = mujoco.MjData(m)
     out = np.empty((3, len(acceleration), m.nv, m.nv))
     _derivatives(m._address, data._address, (data.qpos, data.qvel, data.qacc), states, acceleration, out)

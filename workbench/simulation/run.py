@@ -41,8 +41,7 @@ class Run:
 
 
 def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
-    """Return all simulated runs: same references, controller, sampling, delay, injected torque, initial
-    state.
+    """Return all simulated runs: same references, controller, sampling, delay, torque, initial state.
 
     Args:
         runs: any mixture of models and recordings; they run on all cores.

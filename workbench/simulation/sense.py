@@ -35,9 +35,7 @@ class Sensors(NamedTuple):
 
 
 def sensors_of(e: Experiment, plant: Plant) -> tuple[Sensors, np.ndarray]:
-    """Return the sensors of a plant in an experiment, and the true motion of the drives at its start,
-    (2, n).
-    """
+    """Return a plant's sensors in an experiment, and the drives' true motion at its start, (2, n)."""
     errors: SensorErrors = plant.chain.sensors
     start = e.start @ plant.model.transmission.T
     honest = errors.none

@@ -132,9 +132,7 @@ def joint_columns(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarra
 
 
 def interpolate(rows: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    """Return (len(rows), ...) values, given at ascending `rows`, interpolated linearly at all rows
-    0..count-1.
-    """
+    """Return (len(rows), ...) values at ascending `rows`, interpolated at all rows 0..count-1."""
     at = np.arange(count)
     left = np.clip(np.searchsorted(rows, at, side="right") - 1, 0, len(rows) - 2)
     part = (at - rows[left]) / (rows[left + 1] - rows[left])

@@ -14,8 +14,7 @@ _ENOUGH = 50  # ticks
 
 
 def rate_read(experiment: Experiment) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return rows at which the loop sampled and the speed (M, n) that it read there, in coordinates of the
-    recording.
+    """Return rows at which the loop sampled and the speed (M, n) it read, in the recording's coordinates.
 
     None where the command was not logged as it was asked for, or the law knows no speed.
     """

@@ -51,9 +51,7 @@ class Keep(NamedTuple):
 
 
 def world_of(plant: Plant, start: np.ndarray) -> tuple[World, Keep]:
-    """Return a plant with its drives at a position and speed, (2, n), and the objects that keep its memory
-    alive.
-    """
+    """Return a plant with drives at a position and speed, (2, n), and what keeps its memory alive."""
     model = copy.copy(plant.mujoco) if plant.chain.follows_state else plant.mujoco
     data = mujoco.MjData(model)
     state = plant.state_at(start @ np.linalg.inv(plant.model.transmission).T)

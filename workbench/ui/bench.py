@@ -120,9 +120,7 @@ class Bench:
             self._grown.append((told, self.model))
 
     def told(self) -> Diagnosis | None:
-        """Return the diagnosis if it belongs to the present model, or to the diagnosed one plus its
-        findings.
-        """
+        """Return the diagnosis if it is of this model, or of it without its findings."""
         found, model = self.diagnosis, self.model
         of_it = model is self.diagnosed or any(d is found and m is model for d, m in self._grown)
         return found if of_it else None

@@ -58,8 +58,7 @@ class Following:
     _change: int = 0
 
     def listen(self, listener: Callable[[str], None]) -> Callable[[], None]:
-        """Add a listener for changes: ``inputs``, ``model``, ``runs``, ``comparison``, ``work``,
-        ``message``.
+        """Add a listener for changes: ``inputs``, ``model``, ``runs``, ``comparison``, ``work``, ``message``.
 
         Returns:
             What ends it.

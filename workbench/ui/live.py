@@ -104,11 +104,7 @@ class Live(Following):
             pool.shutdown(wait=False, cancel_futures=True)
 
     def _work(
-        self,
-        first: str,
-        work: Callable[..., Any],
-        arguments: tuple[Any, ...],
-        done: Callable[[Any], None],
+        self, first: str, work: Callable[..., Any], arguments: tuple[Any, ...], done: Callable[[Any], None]
     ) -> None:
         self.stop()
         self.work, self.began = first, time.monotonic()

@@ -1,6 +1,4 @@
-"""Where the model fails: residual of every axis and signal over time, speed or position, divided by the
-noise floor.
-"""
+"""Where the model fails: each axis's and signal's residual over time, speed or position, by the noise."""
 
 from __future__ import annotations
 
@@ -41,9 +39,7 @@ class ResidualMap:
 def residual_map(
     entries: Sequence[RecordingError], axes: Sequence[str], against: str, shown: int
 ) -> ResidualMap:
-    """Return the table over ``time`` (of the recording `shown`), ``speed`` or ``position`` (of all
-    recordings).
-    """
+    """Return the table over ``time`` (of recording `shown`), ``speed`` or ``position`` (of all)."""
     chosen = [entries[shown]] if against == "time" else list(entries)
     rows, edges, ratios = [], [], []
     for axis in axes:

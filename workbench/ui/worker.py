@@ -56,12 +56,7 @@ class Worker:
             process.join(5)
 
     def _follow(
-        self,
-        turn: int,
-        pipe: Connection,
-        work: Callable[..., Any],
-        arguments: tuple[Any, ...],
-        tell: Tell,
+        self, turn: int, pipe: Connection, work: Callable[..., Any], arguments: tuple[Any, ...], tell: Tell
     ) -> None:
         try:
             pipe.send((work, arguments))

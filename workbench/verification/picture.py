@@ -19,23 +19,18 @@ _STYLE = {name: line.drawn() for name, line in LINES.items()}
 _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 
-def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) -> Figure:
-    """One column an entry of the response; rows: magnitude with its 95 % band, phase, relative error.
-
-    Args:
-        comparison: one posture.
-        names: models to draw; all if not given.
-    """
+def frf_figure(comparison: FrfComparison) -> Figure:
+    """Response and models at one posture, a column per entry: magnitude with 95 % band, phase, error."""
     from workbench.core.picture import Picture  # slow to import, and only pictures need it
 
-    frf, shown = comparison.frf, names or tuple(comparison.models)
+    frf = comparison.frf
     ny, nu = frf.response.shape[1:]
     figure = Picture(figsize=(2.9 * ny * nu + 0.9, 6.6), layout="constrained")
     grid = figure.add_gridspec(3, ny * nu, height_ratios=(1.3, 1.0, 1.0))
     for column, (i, j) in enumerate(np.ndindex(ny, nu)):
         magnitude, phase = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
-        _magnitude(magnitude, comparison, shown, i, j)
-        _phase(phase, comparison, shown, i, j)
+        _magnitude(magnitude, comparison, i, j)
+        _phase(phase, comparison, i, j)
         unit = f"{frf.outputs[i].unit} per {frf.inputs[j].unit}"
         magnitude.set_title(
             f"{frf.outputs[i].axis} over {frf.inputs[j].axis}\n[{unit}]", fontsize=9, loc="left"
@@ -44,11 +39,11 @@ def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) 
             magnitude.set_ylabel("magnitude")
             phase.set_ylabel("phase [deg]")
             magnitude.legend(frameon=False, fontsize=7.5, loc="lower left")
-    _errors(figure.add_subplot(grid[2, :]), comparison, shown)
+    _errors(figure.add_subplot(grid[2, :]), comparison)
     return figure
 
 
-def _magnitude(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
+def _magnitude(ax: Axes, c: FrfComparison, i: int, j: int) -> None:
     f, size, std = c.frf.frequency, np.abs(c.frf.response[:, i, j]), c.frf.std[:, i, j]
     ax.fill_between(
         f,
@@ -59,19 +54,19 @@ def _magnitude(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: in
         label="95 % interval",
     )
     ax.plot(f, size, ".", ms=2.2, color=_DOTS, label="measured")
-    for name in names:
+    for name in c.models:
         ax.plot(f, np.abs(c.models[name][:, i, j]), label=words_of(name), **_STYLE.get(name, {}))
     ax.set_xscale("log")
     ax.set_yscale("log")
     _plain(ax)
 
 
-def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
+def _phase(ax: Axes, c: FrfComparison, i: int, j: int) -> None:
     f = c.frf.frequency
     # where noise rules, a phase means nothing and an unwrapped one jumps by whole turns
     sure = c.frf.std[:, i, j] < 0.5 * np.abs(c.frf.response[:, i, j])
     ax.plot(f[sure], np.degrees(np.angle(c.frf.response[sure, i, j])), ".", ms=2.2, color=_DOTS)
-    for name in names:
+    for name in c.models:
         angle = np.degrees(np.angle(c.models[name][:, i, j]))
         jump = np.abs(np.diff(angle, prepend=angle[0])) > 180
         ax.plot(f, np.where(jump, np.nan, angle), **_STYLE.get(name, {}))
@@ -81,10 +76,10 @@ def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -
     _plain(ax)
 
 
-def _errors(ax: Axes, c: FrfComparison, names: tuple[str, ...]) -> None:
+def _errors(ax: Axes, c: FrfComparison) -> None:
     f = c.frf.frequency
     ax.fill_between(f, 1e-4, 100.0 * c.noise, color=_BAND, lw=0, label="uncertainty of the measurement")
-    for name in names:
+    for name in c.models:
         ax.plot(f, 100.0 * c.error[name], label=words_of(name), **_STYLE.get(name, {}))
     ax.set_xscale("log")
     ax.set_yscale("log")

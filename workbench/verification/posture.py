@@ -29,8 +29,7 @@ Facts = dict[str, tuple[float, str, str]]
 
 
 def posture_checks(subject: Subject, seed: int) -> list[Check]:
-    """Return every term in our engine and in Drake; then the scheduled tree's motion and frequency
-    responses.
+    """Return every term in our engine and in Drake; then the scheduled tree's motion and responses.
 
     Raises:
         InputError: our engine cannot read the mechanism's file, or it has no limits.
@@ -100,13 +99,13 @@ def _terms(subject: Subject) -> list[Check]:
 def _balance(subject: Subject) -> Check:
     """v (M' v / 2 - bias) = 0 of our closed chain, relative to the power of the velocity terms."""
     chain, q, v = PostureChain(subject.model), subject.states.position, subject.states.velocity
-    ahead, behind = (chain.mass(q + s * _BALANCE * v) for s in (1.0, -1.0))
-    bias = chain.bias(q, v)
+    ahead, behind = (chain.dynamics(q + s * _BALANCE * v).mass for s in (1.0, -1.0))
+    at = chain.dynamics(q, v)
     rate = (ahead - behind) / (2.0 * _BALANCE)
-    made = np.einsum("ki,kij,kj->k", v, rate, v) / 2.0 - np.einsum("ki,ki->k", v, bias)
+    made = np.einsum("ki,kij,kj->k", v, rate, v) / 2.0 - np.einsum("ki,ki->k", v, at.bias)
     # where the mass hardly changes there is next to no such power, and differences leave rounding
-    least = 1e-4 * float(np.einsum("ki,kij,kj->k", v, chain.mass(q), v).max())
-    scale = max(float(np.abs(v * bias).sum(axis=1).max()), least)
+    least = 1e-4 * float(np.einsum("ki,kij,kj->k", v, at.mass, v).max())
+    scale = max(float(np.abs(v * at.bias).sum(axis=1).max()), least)
     return Check("posture_power", float(np.abs(made).max()) / max(scale, 1e-12), 1e-6, "", "energy, work")
 
 

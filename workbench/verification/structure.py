@@ -128,11 +128,7 @@ def _residual_forms(subject: Subject, links: np.ndarray) -> list[Check]:
     wanted = normalised + from_links
     return [
         Check(
-            "residual_inertia",
-            relative(from_links - from_total, from_links),
-            EXACT,
-            "",
-            "two closed forms",
+            "residual_inertia", relative(from_links - from_total, from_links), EXACT, "", "two closed forms"
         ),
         Check("s3n_full_inertia", relative(built - wanted, wanted), EXACT, "", "MuJoCo, closed form"),
     ]

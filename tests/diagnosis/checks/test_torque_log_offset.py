@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from exam.degrade import degrade
 
 from tests.diagnosis.rig import recordings
 from workbench.core import Recording
 from workbench.diagnosis.checks.torque_log_offset import torque_offset_lines
 from workbench.effects import load_model
-from workbench.rigs import HiddenEffect, degrade
+from workbench.rigs import HiddenEffect
 
 DELAY = load_model("leg").actuators.delay_s
 

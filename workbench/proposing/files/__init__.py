@@ -115,6 +115,5 @@ def _folder(path: Path, episode: int) -> Table:
         return read_bag(path)
     raise InputError(
         "is a folder, and neither a ROS 2 bag (metadata.yaml) nor a LeRobot data set (meta/info.json)",
-        file=path,
-        remedy="give one file",
-    )
+        file=path, remedy="give one file",
+    )  # fmt: skip

@@ -176,10 +176,9 @@ def _array(file: IO[bytes], path: Path) -> np.ndarray | None:
     shape, fortran, kind = read(file)
     if kind.hasobject:
         raise InputError(
-            "holds Python objects, and reading those could run code",
-            file=path,
+            "holds Python objects, and reading those could run code", file=path,
             remedy="save plain arrays of numbers",
-        )
+        )  # fmt: skip
     count = int(np.prod([float(n) for n in shape])) if shape else 1
     check_cells(count * max(1, len(kind.names or ())), path)
     if kind.itemsize * count > MOST_BYTES:

@@ -44,10 +44,9 @@ def _table(path: Path, messages: Messages) -> Table:
     series = _series(path, messages)
     if not series:
         raise InputError(
-            "holds no messages with numbers that can be read",
-            file=path,
+            "holds no messages with numbers that can be read", file=path,
             remedy="record sensor_msgs/JointState, std_msgs/Float64MultiArray or JSON",
-        )
+        )  # fmt: skip
     origin = min(float(each.stamps[0]) for each in series)
     series = [replace(each, stamps=each.stamps - origin) for each in series]
     known = Table(path, {}, {"log time": "s"}, clock="log time")

@@ -82,10 +82,9 @@ def _encoding(raw: bytes, path: Path) -> str:
         return "utf-16-be"
     if b"\0" in start:
         raise InputError(
-            "is neither a text table nor another format that is known",
-            file=path,
+            "is neither a text table nor another format that is known", file=path,
             remedy="give .csv, .parquet, .mat, .npz, .mcap, a ROS 2 bag, a LeRobot data set or a CAN log",
-        )
+        )  # fmt: skip
     try:
         raw.decode("utf-8-sig")
     except UnicodeDecodeError:

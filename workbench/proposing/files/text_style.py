@@ -68,10 +68,9 @@ def find_style(lines: list[str], encoding: str, path: Path) -> Style:
                 best = score, Style(encoding, separator, decimal, header, at[first], units)
     if best is None:
         raise InputError(
-            "has no two columns of numbers with one separator between them",
-            file=path,
+            "has no two columns of numbers with one separator between them", file=path,
             remedy="give one row per sample, two columns or more",
-        )
+        )  # fmt: skip
     return best[1]
 
 

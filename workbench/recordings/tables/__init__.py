@@ -70,10 +70,8 @@ def _check_lengths(data: dict[str, np.ndarray], path: Path) -> None:
     for column, array in data.items():
         if len(array) != length:
             raise InputError(
-                f"has {len(array)} rows where '{first}' has {length}",
-                file=path,
-                column=column,
+                f"has {len(array)} rows where '{first}' has {length}", file=path, column=column,
                 remedy="give columns of one length",
-            )
+            )  # fmt: skip
     if length == 0:
         raise InputError("the table has no rows", file=path, remedy="record again or name another table")

@@ -46,8 +46,7 @@ def mf4_messages(path: Path) -> Generator[can.Message]:
 
 
 def matlab_arrays(path: Path, names: Sequence[str] = ()) -> dict[str, np.ndarray | None]:
-    """Return arrays of a MATLAB file up to version 7 by name (``struct.field`` in structs); None if not
-    numbers.
+    """Return arrays of a MATLAB file up to version 7 by name (``struct.field``); None if not numbers.
 
     Args:
         path: the file.

@@ -1,5 +1,4 @@
-"""A program of its own that writes the content of an MF4 log or a MATLAB file, in pieces, to standard
-output.
+"""A program of its own that writes what an MF4 log or a MATLAB file holds, in pieces, to its output.
 
 What reads them (asammdf, scipy) is compiled in part, and a damaged file can crash it. So it runs in a process
 of its own, which knows nothing of workbench and starts quickly; `apart` starts it and reads what it says.

@@ -44,11 +44,9 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     for column, (stamps, _) in series.items():
         if len(stamps) < 2:
             raise InputError(
-                f"has {len(stamps)} frames in the log",
-                file=path,
-                column=column,
+                f"has {len(stamps)} frames in the log", file=path, column=column,
                 remedy="check that it was sent",
-            )
+            )  # fmt: skip
     if not wanted:
         raise InputError(
             "no signal is asked for", file=path, remedy="name signals of the DBC under [columns]"
@@ -62,8 +60,7 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def sent_signals(path: Path) -> dict[str, str]:
-    """Return signals of the DBC that occur at least twice in a log: column name -> unit (empty if none is
-    stated).
+    """Return signals of the DBC that occur at least twice in a log: column -> unit (empty if unstated).
 
     Raises:
         InputError: no DBC, or a log that cannot be read.

@@ -1,4 +1,4 @@
-"""Worse logs from good ones: signals missing, a clock that jitters, coarser numbers.
+"""Worse logs from good ones: signals missing, a clock that jitters, fewer rows.
 
 What is lost here is lost in the log only: the loop ran on the signals as they were. For a loop that itself
 reads coarse or noisy sensors, give `VirtualLeg` other `Sensors`.
@@ -6,7 +6,7 @@ reads coarse or noisy sensors, give `VirtualLeg` other `Sensors`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +24,6 @@ def degrade(
     *,
     without: Collection[str] = (),
     jitter: float = 0.0,
-    resolution: Mapping[str, float] | None = None,
     every: int = 1,
     seed: int = 0,
 ) -> Recording:
@@ -36,15 +35,13 @@ def degrade(
             velocity is for writing and reading back, which derives one.
         jitter: standard deviation of the rows' times, in periods. The times are logged as they were, so that
             they are uniform again only once the recording has been written and read back.
-        resolution: signal -> step to which its numbers are rounded, SI.
         every: only each so-manieth row was logged.
         seed: of the jitter.
 
     Raises:
         InputError: position is left out, or a signal is named that the recording has not.
     """
-    resolution = dict(resolution or {})
-    for name in {*without, *resolution} - {*recording.signals}:
+    for name in {*without} - {*recording.signals}:
         raise InputError(f"'{recording.name}' has no signal '{name}'", remedy=", ".join(recording.signals))
     if "position" in without:
         raise InputError("a recording has to have a position", remedy="leave out another signal")
@@ -52,8 +49,6 @@ def degrade(
     if jitter:
         time = _jittered(time, jitter, np.random.default_rng([seed, 11]))
         signals = {name: _looked_at(name, recording.time, rows, time) for name, rows in signals.items()}
-    for name, step in resolution.items():
-        signals[name] = np.round(signals[name] / step) * step
     return replace(
         recording,
         time=time[::every],
