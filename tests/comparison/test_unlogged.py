@@ -56,7 +56,7 @@ def test_a_right_model_explains_positions_alone(tmp_path: Path) -> None:
 def test_drives_that_are_half_a_row_late_leave_the_reference_open(
     tmp_path: Path, numbers: dict[str, float]
 ) -> None:
-    """They move the reference as one does that is constant from row to row, and look like wrong numbers then."""
+    """They move the reference as a constant one does, and look like wrong numbers then."""
     machine, model = bench_arm(tmp_path, "machine", **numbers), load_model(bench_arm(tmp_path))
     made = [
         logged(machine, tones, log_s=0.01, loop_s=0.001, held=False, late=5, positions_alone=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import control
 import numpy as np
 import pytest
 from scipy import stats
@@ -40,7 +41,7 @@ def test_without_noise_the_response_is_exact() -> None:
 
 @pytest.mark.parametrize("periods", [2, 4, 9])
 def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
-    hits, inside = [], []
+    hits, inside, phases = [], [], []
     for seed in range(12):
         d = design(periods=periods)
         (r,) = loop_recordings(d, noise=0.05, gain=0.8, seed=seed)
@@ -49,9 +50,13 @@ def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
         hits.append(np.abs(g - true) < radius(frf, 0.9)[:, 0, 0])
         low, high = (x[:, 0, 0] for x in frf.magnitude_interval(0.9))
         inside.append((low <= np.abs(true)) & (np.abs(true) <= high))
+        low, high = (x[:, 0, 0] for x in frf.phase_interval(0.9))
+        turn = np.angle(true / g)
+        phases.append((low - np.angle(g) <= turn) & (turn <= high - np.angle(g)))
         assert (frf.dof >= 9).all() and frf.periods == periods
     assert binomial(np.array(hits), 0.9)
     assert binomial(np.array(inside), 0.9)
+    assert binomial(np.array(phases), 0.9)
 
 
 def test_feedback_biases_the_plain_quotient_and_not_the_one_through_the_reference() -> None:
@@ -252,6 +257,16 @@ def test_some_axes_and_several_outputs() -> None:
         frf.select(["b"], ["a"])
     band = within(frf, 10, 20)
     assert band.frequency[[0, -1]].tolist() == [10, 20] and band.covariance.shape == (11, 8, 8)
+
+
+def test_the_response_for_python_control() -> None:
+    plant = mimo_plant(2)
+    frf = estimate(mimo_recordings(design(axes=["a", "b"], f_max_hz=40), plant, noise=0.0))
+    theirs = frf.to_control()
+    assert isinstance(theirs, control.FrequencyResponseData)
+    assert theirs.frdata[0, 1, 7] == frf.response[7, 0, 1]
+    assert theirs.omega == pytest.approx(2 * np.pi * frf.frequency)
+    assert theirs.input_labels == ["torque_measured_a", "torque_measured_b"]
 
 
 def test_other_coordinates() -> None:

@@ -7,21 +7,11 @@ import numpy as np
 import pytest
 
 from workbench.mechanism import ClosedChain, linearise, simulate
-from workbench.mechanism.linear import LinearPlant
 from workbench.models import read_model
 
 from .chains import NAMES, central, chain, joints_at
 
 INERTIA, DAMPING, STEP = (0.0162, 0.01), (0.0972, 0.05), 1e-3
-
-
-def state_space(plant: LinearPlant) -> control.StateSpace:
-    """From torques less those that hold it (n,) to positions less the posture and speeds (2 n,)."""
-    n, none = len(plant.posture), np.zeros_like(plant.mass)
-    lower = -np.linalg.solve(plant.mass, np.hstack([plant.stiffness, plant.damping]))
-    a = np.vstack([np.hstack([none, np.eye(n)]), lower])
-    b = np.vstack([none, np.linalg.inv(plant.mass)])
-    return control.StateSpace(a, b, np.eye(2 * n), np.zeros((2 * n, n)))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -56,7 +46,7 @@ def test_frequency_response_of_the_nonlinear_simulation(name: str, drive: int) -
     plant = linearise(mechanism, mechanism.drive_position(joints_at(name, (0.5, 0.4))), INERTIA, DAMPING)
     omega, small, samples = 2 * np.pi / 0.1, 1e-3, 100
     # the torque is held over a sample, so that the plant seen is the one behind a zero-order hold
-    held = control.c2d(state_space(plant), STEP)
+    held = control.c2d(plant.state_space(), STEP)
     orbit = held(np.exp(1j * omega * STEP))[:, drive]
     turn = np.exp(1j * omega * STEP * np.arange(samples + 1))
     sine = np.outer(turn.real[:-1], np.eye(2)[drive])
@@ -76,7 +66,7 @@ def test_frequency_response_of_the_nonlinear_simulation(name: str, drive: int) -
 def test_state_space_and_frequency_response_are_one_plant() -> None:
     plant = linearise(chain("ankle"), np.zeros(2), INERTIA, DAMPING)
     omega = np.array([2.0, 200.0])
-    speeds = np.moveaxis(state_space(plant)(1j * omega)[2:], -1, 0)
+    speeds = np.moveaxis(plant.state_space()(1j * omega)[2:], -1, 0)
     np.testing.assert_allclose(speeds, plant.frequency_response(omega), rtol=1e-12)
 
 

@@ -113,8 +113,8 @@ def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
 def _may_be_late(axes: Sequence[Asked]) -> bool:
     """Whether most axes agree with drives that are half a row late, instead of a reference that is constant.
 
-    Both move the reference by as much. A delay also looks like damping and inertia of each axis, in proportion
-    to the gains of its loop, which are then wrong numbers of the model.
+    Both move the reference by as much. A delay also looks like damping and inertia of each axis, in
+    proportion to the gains of its loop, which are then wrong numbers of the model.
     """
     votes = []
     for a in axes:

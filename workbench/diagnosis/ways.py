@@ -145,9 +145,9 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     Where one effect alone leaves only noise under one of them, all come with the results of that.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
-    what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say, or for
-    damping and rotors where drives are late. So a joint solution of several numbers is the answer only if no
-    other assumption needs fewer effects; of many axes this would take too long.
+    what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say, or
+    for damping and rotors where drives are late. So a joint solution of several numbers is the answer only if
+    no other assumption needs fewer effects; of many axes this would take too long.
     """
     if len(ways) == 1:
         return ways, []

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from .channel import Channel, place_of
 from .pooling import pooled_covariance
 from .statistics import real_halfwidth
+
+if TYPE_CHECKING:
+    from control import FrequencyResponseData
 
 _BY_LINE = (
     "frequency",
@@ -111,6 +114,17 @@ class Frf:
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
 
+    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Return the lower and upper end for the phase [rad], each (F, ny, nu); a full turn where nothing is
+        known.
+        """
+        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
+        size = np.abs(self.response)
+        known = half < size
+        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
+        phase = np.angle(self.response)
+        return phase - turn, phase + turn
+
     def select(self, outputs: Sequence[str | int], inputs: Sequence[str | int]) -> Frf:
         """Return some outputs and inputs, by number or by axis name.
 
@@ -190,6 +204,19 @@ class Frf:
             dof=dof,
             noise_dof=noise_dof,
             notes=(*self.notes, note),
+        )
+
+    def to_control(self) -> FrequencyResponseData:
+        """Return the response for python-control: ``frdata[output, input, frequency]``, frequencies in
+        rad/s.
+        """
+        from control import FrequencyResponseData
+
+        return FrequencyResponseData(
+            np.moveaxis(self.response, 0, -1),
+            self.omega,
+            inputs=[str(c) for c in self.inputs],
+            outputs=[str(c) for c in self.outputs],
         )
 
 

@@ -11,10 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .closed_chain import ClosedChain
+
+if TYPE_CHECKING:
+    from control import StateSpace
 
 _STEP = 1e-3  # [rad or m]; differences of fourth order: 1e-13 of truncation and as much of rounding
 _STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
@@ -37,6 +41,16 @@ class LinearPlant:
     damping: np.ndarray
     stiffness: np.ndarray
     holding: np.ndarray
+
+    def state_space(self) -> StateSpace:
+        """From torques less `holding` (n,) to the states, positions less `posture` and speeds (2 n,)."""
+        from control import StateSpace  # takes a second, and few need it
+
+        n, none = len(self.posture), np.zeros_like(self.mass)
+        lower = -np.linalg.solve(self.mass, np.hstack([self.stiffness, self.damping]))
+        a = np.vstack([np.hstack([none, np.eye(n)]), lower])
+        b = np.vstack([none, np.linalg.inv(self.mass)])
+        return StateSpace(a, b, np.eye(2 * n), np.zeros((2 * n, n)))
 
     def frequency_response(self, omega: np.ndarray) -> np.ndarray:
         """Speed over torque (F, n, n) [rad/(s N m)] at `omega` (F,) [rad/s], not zero.

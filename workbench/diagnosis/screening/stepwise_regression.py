@@ -169,7 +169,7 @@ def fits_in(new: Chosen, chosen: Chosen) -> bool:
 
 @cache
 def _may_come_beside(new: EffectKey, there: EffectKey) -> bool:
-    """Return whether a new effect is neither one that is there nor a form of it, unless a more general one."""
+    """Return whether a new effect is not there yet in this or another form; a more general form may come."""
     if new == there or contains(there, new):
         return False
     return contains(new, there) or may_stand_together(new, there)
