@@ -63,3 +63,17 @@ def test_what_rounding_took_below_nothing_is_solved_all_the_same() -> None:
     free = np.full(2, np.inf)
     found = solve(Normal(gram, np.array([2.0, 2.0]), 4.0, 10), -free, free)
     np.testing.assert_allclose(found, 1.0, rtol=0.01)
+
+
+@given(st.integers(0, 10_000), st.integers(2, 6))
+def test_unknowns_at_both_ends_of_their_bounds(seed: int, unknowns: int) -> None:
+    """Those that leave their bounds without any are not always those that lie at them in the end."""
+    random = np.random.default_rng(seed)
+    rows = random.standard_normal((12, unknowns)) @ random.standard_normal((unknowns, unknowns))
+    target = random.standard_normal(12)
+    low, high = -random.uniform(0.0, 0.3, unknowns), random.uniform(0.0, 0.3, unknowns)
+    equations = normal(rows.reshape(12, 1, 1, unknowns), target.reshape(12, 1, 1))
+    found = solve(equations, low, high)
+    expected = lsq_linear(rows, target, (low, high), method="bvls", tol=1e-14).x
+    assert np.all((found >= low - 1e-12) & (found <= high + 1e-12))
+    assert equations.after(found) <= equations.after(expected) * (1 + 1e-5)
