@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
+from .adequacy.imitations import imitates_another_law
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
@@ -32,7 +33,7 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     """
     new, old = standing(child, problem), standing(best, problem)
     if child.jointly or best.jointly:
-        new, old = _named(child, new), _named(best, old)
+        new, old = _named(child, new, problem), _named(best, old, problem)
     if new < old or (new == old == UNEXPLAINED and child.bold):
         return False, _too_little(child, problem)
     if new > old:
@@ -54,11 +55,25 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     return False, "it leaves more than half of the excess error of the best so far, and is no simpler"
 
 
-def _named(node: Node, stands: int) -> int:
+def may_be_named(node: Node, problem: Problem) -> bool:
+    """Return whether the effects of a node may be named if they explain the recordings.
+
+    Where more than noise is left they may be what the curve of another law looks like.
+    """
+    return node.may_be_named and (node.done or not imitates(node, problem))
+
+
+def imitates(node: Node, problem: Problem) -> bool:
+    """Return whether effects of a node follow the curve of another law along the measured motion."""
+    along = problem.inverse_dynamics if len(node.steps) > 1 else None
+    return along is not None and imitates_another_law(node.current, along[2])
+
+
+def _named(node: Node, stands: int, problem: Problem) -> int:
     """Return a standing when certain effects are available: an explanation that may not be named ranks below
     them.
     """
-    if stands < EXPLAINED or node.may_be_named:
+    if stands < EXPLAINED or may_be_named(node, problem):
         return stands
     return CERTAIN if node.adequacy else UNEXPLAINED
 

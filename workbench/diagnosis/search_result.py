@@ -94,7 +94,8 @@ class SearchResult:
     are certain although something else is missing; `near` those that help beside them and are not certain.
     `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
     other, before any search. `jointly`: whether all axes were solved together.
-    `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
+    `linear`: the linear problem of all effects that this is read off. `trace`: what was tried. `imitates`:
+    whether the effects look like the curve of another law.
     """
 
     model: Model
@@ -114,6 +115,7 @@ class SearchResult:
     jointly: bool = False
     linear: Linear | None = None
     trace: tuple[Tried, ...] = ()
+    imitates: bool = False
 
     @property
     def stopped(self) -> Stopped:

@@ -21,7 +21,7 @@ def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
     if found.adequacy and not explains and not refuted(found):
         return "partly_explained", None
     whole = found.steps and explains and not refuted(found)
-    named = whole and may_be_named(found.final, found.final_data)
+    named = whole and may_be_named(found.final, found.final_data) and not found.imitates
     doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
     less = overestimated(found) if doubtful else None
     if less is not None and less.plainer_than(found):

@@ -7,6 +7,7 @@ the model has not so much damping to be taken off, no machine has these numbers.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from workbench.core import EffectKey, Estimate
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
+from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.equations import Entry
 from ..screening.torque_regression import Chosen, Regression
@@ -40,6 +42,25 @@ def imitations(
         if len(law) > 1 and any(_wants_more(each, here, regression, fitted[each.key]) for each in law)
         for e in law
     )
+
+
+def imitates_another_law(found: Fit, regression: Regression) -> bool:
+    """Return whether some of the effects that were found one by one follow the curve of another law.
+
+    Args:
+        found: the fit of all of them.
+        regression: of all effects along the measured motion, from the same unchanged model.
+    """
+    added = found.hypothesis.added
+    if not any(_of_one_law(a.key, b.key) for a, b in combinations(added, 2)):
+        return False
+    chosen: Chosen = ()
+    for applied in added:
+        shapes = [e for e in regression.entries if e.key == applied.key]
+        if shapes:
+            best = min(shapes, key=lambda e: float(regression.left((*chosen, e)).sum()))
+            chosen = (*chosen, best)
+    return bool(imitations(regression, chosen, added))
 
 
 def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:

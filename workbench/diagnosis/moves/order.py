@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..acceptance import near_noise_floor
 from ..loss import explained
 from ..node import Growth, Node, explains_data
-from ..node_acceptance import EXPLAINED, standing
+from ..node_acceptance import EXPLAINED, may_be_named, standing
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.compliance import other_causes
@@ -76,7 +76,7 @@ def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
         return False
     if len(best.steps) > 1 or standing(best, problem) < EXPLAINED:
         return True
-    return not best.done and not best.may_be_named
+    return not best.done and not may_be_named(best, problem)
 
 
 def _unexplained(node: Node, best: Node, problem: Problem) -> bool:
