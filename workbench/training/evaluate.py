@@ -14,8 +14,8 @@ from workbench.core import InputError, Recording
 from workbench.models import Model
 from workbench.rigs import Sensors
 
-from .contact import ContactLaw
 from .draws import Draws
+from .floor import Law
 from .machine import Machine, make_machine
 from .of_bundle import machine_of, task_of
 from .own_plant import OwnPlant
@@ -50,7 +50,7 @@ def evaluate(
     sensors: Sensors | None = None,
     robot: Robot = IDEAL,
     model: Model | None = None,
-    law: ContactLaw | None = None,
+    law: Law | None = None,
     task_file: Path | None = None,
     tell: Callable[[float], None] = lambda done: None,
 ) -> Evaluation:

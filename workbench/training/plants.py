@@ -15,7 +15,7 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
-from .contact import ContactLaw
+from .floor import Law, laid
 from .machine import LEGS, STEP_S, Machine
 from .payload import loaded
 from .quadruped import FOOT_RADIUS
@@ -77,9 +77,15 @@ class ClosedChainPlant:
         step = STEP_S / _SUBSTEPS
         if machine.floating:
             _refuse_other_legs(machine)
-            mechanism = quadruped_mechanism()
-            feet = tuple(f"{x}_foot" for x in LEGS)
-            ground = Ground(feet, FOOT_RADIUS, robot.friction, robot.ground_stiffness, robot.roughness)
+            mechanism, feet = quadruped_mechanism(), tuple(f"{x}_foot" for x in LEGS)
+            ground = Ground(
+                feet,
+                FOOT_RADIUS,
+                robot.friction,
+                robot.ground_stiffness,
+                robot.ground_damping,
+                robot.roughness,
+            )
         else:
             if model.closed_chain is None:
                 raise InputError(
@@ -175,14 +181,14 @@ class TrainedPlant:
         payload: mass at the trunk's centre [kg].
     """
 
-    def __init__(self, machine: Machine, law: ContactLaw | None = None, payload: float = 0.0) -> None:
+    def __init__(self, machine: Machine, law: Law | None = None, payload: float = 0.0) -> None:
         self._machine, m = machine, machine.mujoco
         feet = [f"{leg}_sphere" for leg in LEGS] if machine.floating else []
         if not machine.floating:
             m = copy.copy(m)
             m.opt.timestep = STEP_S / _LIMB_PIECES
         if law is not None:
-            m = law.applied(m, feet)
+            m = laid(law, machine.xml, m, machine.model, feet)
         if payload:
             m = loaded(m, payload)
         self._m, self._data = m, mujoco.MjData(m)
