@@ -52,7 +52,7 @@ PAPER = {
     "s3n_act": ("S3N-Act", "15.7, 18.26"),
     "s3n_full": ("S3N-Full", "9.9, 12.23"),
 }
-_PUSH, _PUSHES = Push(), 8
+_PUSH, _PUSHES = Push(50.0), 8
 _TROT = 1.8, 0.0  # m/s, rad/s
 _TROT_S = 6.0
 _LAP_S = 2 * np.pi / CIRCLE[2]
