@@ -98,9 +98,8 @@ def told(
     """The table of a question, a line a measure; all numbers as CSV; and the picture."""
     rows = []
     for measure, unit in measures.items():
-        own = {SIMULATORS[s]: values[measure][s] for s in study.files}
         label = f"{measure} [{unit}]" if unit else measure
-        rows.append((label, *cells(study, values[measure], 2 if unit else 3), ladder(own)))
+        rows.append((label, *cells(study, values[measure], 2 if unit else 3), paired(study, values[measure])))
     table(study, name, title, pairs, rows, "paired")
     write_csv(study.out / f"{study.file(name)}.csv", [
         {"measure": m, "simulator": s, "pair": k, "value": float(x)}
@@ -108,6 +107,11 @@ def told(
     ])  # fmt: skip
     figure = gaps_figure(title, values, [*study.files, AGAIN])
     report.save_figure(figure, study.out / f"{study.file(name)}.png", force=True)
+
+
+def paired(study: Study, values: Values) -> str:
+    """Which neighbouring simulators a measure tells apart."""
+    return ladder({SIMULATORS[s]: values[s] for s in study.files})
 
 
 def table(study: Study, name: str, title: str, pairs: int, rows: Sequence[Sequence[str]], *more: str) -> None:

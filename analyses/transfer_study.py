@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, table, told
+from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, paired, table, told
 from transfer_floor import ON_PLATE, identified_law
 from transfer_measures import (
     GAIT,
@@ -52,9 +52,9 @@ PAPER = {
     "s3n_act": ("S3N-Act", "15.7, 18.26"),
     "s3n_full": ("S3N-Full", "9.9, 12.23"),
 }
-_PUSH, _PUSHES = Push(50.0), 8
+_PUSH, _PUSHES = Push(50.0), 4
 _TROT = 1.8, 0.0  # m/s, rad/s
-_TROT_S = 6.0
+_TROT_S = 4.0
 _LAP_S = 2 * np.pi / CIRCLE[2]
 _PITCH_S = 1.0 + 40 / 5.0
 _LAWS = {"default": ContactLaw(0.02, 0.003, elliptic=False), "training": TRAINING, "evaluation": EVALUATION}
@@ -172,11 +172,12 @@ def contact(study: Study) -> dict[str, Values]:
         hardware, again, simulated = crossed(study, units, _seconds(study), ON_PLATE, law)
         values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
         for m in ("E_phi", "stride frequency", "duty factor", "foot force over the stride"):
-            unit = f" [{GAIT[m]}]" if GAIT[m] else ""
-            rows.append((f"{m}{unit}, {name}: {law}", *cells(study, values[m], 2 if GAIT[m] else 3)))
+            label = f"{m} [{GAIT[m]}]" if GAIT[m] else m
+            shown = cells(study, values[m], 2 if GAIT[m] else 3)
+            rows.append((f"{label}, {name}: {law}", *shown, paired(study, values[m])))
             out[f"{name}: {m}"] = values[m]
     title = f"The law of the contact, S3N-Full's policies on the lap, {study.which}"
-    table(study, "contact", title, len(units), rows)
+    table(study, "contact", title, len(units), rows, "paired")
     return out
 
 
