@@ -54,8 +54,10 @@ def improved(leg: Model, seed: int, *hidden: HiddenEffect, law: bool = False) ->
         hidden: in the leg that is recorded.
         law: whether the model knows the law of the ground.
     """
-    known = {"friction": _PLATE.friction, "stiffness": _PLATE.stiffness, "damping": _PLATE.damping}
-    ground = Ground(("foot",), radius=_PLATE.radius, height=_PLATE.height, **(known if law else {}))
+    ground = Ground(("foot",), radius=_PLATE.radius, height=_PLATE.height)
+    if law:
+        known = _PLATE.friction, _PLATE.stiffness, _PLATE.damping
+        ground = replace(ground, friction=known[0], stiffness=known[1], damping=known[2])
     rig = VirtualLeg(hidden, seed=_SEED + seed, plate=_PLATE)
     *training, judge = rig.run(plate_experiments(_SEED + seed, _SECONDS))
     return improve(replace(leg, ground=ground), training, [judge], seed=seed)
