@@ -11,14 +11,16 @@ import numpy as np
 from transfer_paired import Spread, ladder
 from transfer_picture import gaps_figure
 from transfer_plants import SETS
-from transfer_policies import SIMULATORS, Trained, policies_of
+from transfer_policies import SIMULATORS, TASK_FILES, Trained, policies_of
 from transfer_runs import Job, Kept, Made
 from transfer_tables import show, write_csv
 from transfer_trials import run_trials
 
 from workbench import report
-from workbench.training.contact import EVALUATION, ContactLaw
+from workbench.training.contact import EVALUATION
+from workbench.training.floor import Law
 from workbench.training.robot import Robot
+from workbench.training.rollout import Push
 
 AGAIN = "hardware again"
 #: Values (U,) of the pairs, by simulator, and of the hardware's second run.
@@ -64,12 +66,16 @@ class Study:
 
 
 def crossed(
-    study: Study, units: Sequence[Trained], seconds: float, robot: Robot, law: ContactLaw = EVALUATION
-) -> tuple[list[Made], list[Made], dict[str, list[Made]]]:
+    study: Study, units: Sequence[Trained], seconds: float, robot: Robot, law: Law = EVALUATION,
+    push: Push | None = None,
+) -> tuple[list[Made], list[Made], dict[str, list[Made]]]:  # fmt: skip
     """Every policy on the hardware, there again, and in every simulator."""
-    jobs = [Job(seconds, study.seed + k, u.file, robot=robot) for k in (0, 1) for u in units]
+    both: dict[str, Any] = {"push": push, "task": TASK_FILES.get(units[0].task)}
+    jobs = [Job(seconds, study.seed + k, u.file, robot=robot, **both) for k in (0, 1) for u in units]
     plain = Robot(payload=robot.payload)
-    jobs += [Job(seconds, 0, u.file, file, plain, law) for file in study.files.values() for u in units]
+    jobs += [
+        Job(seconds, 0, u.file, file, plain, law, **both) for file in study.files.values() for u in units
+    ]
     made = study.make(jobs)
     n = len(units)
     each = [made[i : i + n] for i in range(0, len(made), n)]
@@ -92,9 +98,8 @@ def told(
     """The table of a question, a line a measure; all numbers as CSV; and the picture."""
     rows = []
     for measure, unit in measures.items():
-        own = {SIMULATORS[s]: values[measure][s] for s in study.files}
         label = f"{measure} [{unit}]" if unit else measure
-        rows.append((label, *cells(study, values[measure], 2 if unit else 3), ladder(own)))
+        rows.append((label, *cells(study, values[measure], 2 if unit else 3), paired(study, values[measure])))
     table(study, name, title, pairs, rows, "paired")
     write_csv(study.out / f"{study.file(name)}.csv", [
         {"measure": m, "simulator": s, "pair": k, "value": float(x)}
@@ -102,6 +107,11 @@ def told(
     ])  # fmt: skip
     figure = gaps_figure(title, values, [*study.files, AGAIN])
     report.save_figure(figure, study.out / f"{study.file(name)}.png", force=True)
+
+
+def paired(study: Study, values: Values) -> str:
+    """Which neighbouring simulators a measure tells apart."""
+    return ladder({SIMULATORS[s]: values[s] for s in study.files})
 
 
 def table(study: Study, name: str, title: str, pairs: int, rows: Sequence[Sequence[str]], *more: str) -> None:

@@ -10,11 +10,17 @@ import numpy as np
 from transfer_runs import Made
 
 from workbench.core import Recording
-from workbench.gait import Limbs, compare_gaits, predict_swing, with_leg_odometry
+from workbench.gait import (
+    Limbs,
+    compare_gaits,
+    predict_swing,
+    with_filtered_velocity,
+    with_leg_odometry,
+)
 from workbench.models import read_model
 from workbench.training.legs import machine_limbs
 from workbench.training.machine import STEP_S, make_machine
-from workbench.training.rollout import HOLD_S
+from workbench.training.rollout import HOLD_S, Push
 from workbench.training.tasks import PITCH_HZ
 
 #: Measure -> unit, of a robot that goes somewhere.
@@ -38,7 +44,15 @@ PITCH = {
     "torque over the stride": "N m",
     "foot force over the stride": "N",
 }
+#: Of the mean answer to pushes from the side.
+PUSHED = {
+    "largest sideward speed": "mm/s",
+    "sideward speed, mean answer": "mm/s",
+    "sideward shift": "mm",
+    "largest roll": "mrad",
+}
 _SETTLE_S, _PHASES = 1.0, 100
+_ACCELEROMETER, _BIAS = 0.3, 0.1  # m/s^2: noise of a row, and a bias that nobody is told
 
 
 def gait_gaps(hardware: Made, other: Made, command: tuple[float, float]) -> dict[str, float]:
@@ -64,6 +78,48 @@ def seen_by_legs(made: Made, radius: float) -> Made:
     """A run whose velocity is that of leg odometry with feet of this radius [m]."""
     log = made.recording
     return replace(made, recording=with_leg_odometry(_limbs(Path("leg_s3n_full")), log, radius))
+
+
+def seen_by_filter(made: Made, radius: float) -> Made:
+    """A run whose velocity is that of a Kalman filter of legs and accelerometer."""
+    log = made.recording
+    true = np.diff(log.extra["base_velocity"], axis=0, append=log.extra["base_velocity"][-1:]) / log.period
+    noise = np.random.default_rng(11).standard_normal(true.shape)
+    measured = true + _BIAS + _ACCELEROMETER * noise
+    limbs = _limbs(Path("leg_s3n_full"))
+    return replace(made, recording=with_filtered_velocity(limbs, log, radius, measured, _ACCELEROMETER))
+
+
+def push_gaps(hardware: Made, other: Made, push: Push) -> dict[str, float]:
+    """Gaps of the mean answer to pushes, `PUSHED`; NaN where one of them fell."""
+    if hardware.fell_s is not None or other.fell_s is not None:
+        return dict.fromkeys(PUSHED, np.nan)
+    one, two = (push_answer(x.recording, push) for x in (hardware, other))
+    (fast, roll), (faster, rolls) = one, two
+    return {
+        "largest sideward speed": 1e3 * abs(fast.max() - faster.max()),
+        "sideward speed, mean answer": 1e3 * rms(fast - faster),
+        "sideward shift": 1e3 * abs(fast.sum() - faster.sum()) * STEP_S,
+        "largest roll": 1e3 * abs(np.abs(roll).max() - np.abs(rolls).max()),
+    }
+
+
+def push_answer(recording: Recording, push: Push) -> tuple[np.ndarray, np.ndarray]:
+    """What a push to the left changes (T,): sideward speed of the trunk [m/s] and its roll [rad].
+
+    Pushes alternate, and half of the difference between those to the left and those to the right has neither
+    the turn of the lap nor the stride in it, as far as pushes come at many phases of it.
+    """
+    w, x, y, z = recording.extra["base_orientation"].T
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    speed = recording.extra["base_velocity"]
+    side = np.cos(yaw) * speed[:, 1] - np.sin(yaw) * speed[:, 0]
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    rows, first = round(push.every_s / STEP_S), round((HOLD_S + push.first_s) / STEP_S)
+    count = (len(side) - first) // rows // 2 * 2
+    sign = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)[:, None]
+    begins = first + np.round(np.arange(count) * push.every_s / STEP_S).astype(int)
+    return tuple((sign * x[begins[:, None] + np.arange(rows)]).mean(axis=0) for x in (side, roll))
 
 
 def pitch_gaps(hardware: Made, other: Made) -> dict[str, float]:

@@ -18,7 +18,10 @@ TRAINED_IN = {
     "kin_only_hr": "Kin-Only HR",
     "s3n_act": "S3N-Act",
     "s3n_full": "S3N-Full",
+    "s3n_full_hr": "S3N-Full HR",
 }
+#: Tasks that are files.
+TASK_FILES = {"trot": Path(__file__).with_name("fast_trot.py")}
 #: What judges them -> name in print, from the least to the most that is known.
 SIMULATORS = {
     "kin_only": "Kin-Only",

@@ -18,12 +18,14 @@ from workbench.bundle import read_bundle
 from workbench.core import Recording
 from workbench.models import read_model
 from workbench.rigs import PERFECT
-from workbench.training.contact import EVALUATION, ContactLaw
+from workbench.training.contact import EVALUATION
 from workbench.training.evaluate import evaluate
+from workbench.training.floor import Law
 from workbench.training.jump import jump
 from workbench.training.machine import make_machine
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.robot import IDEAL, Robot
+from workbench.training.rollout import Push
 
 _SIMULATION_SEED = 10_000  # of the inertial unit's noise, which no other run draws
 
@@ -40,6 +42,8 @@ class Job:
         robot: the hardware; a simulation has its payload.
         law: of a simulation's contacts.
         height: of a jump.
+        push: on the trunk.
+        task: file of the policy's task, where it is Python.
     """
 
     seconds: float
@@ -47,8 +51,10 @@ class Job:
     policy: Path | None = None
     model: Path | None = None
     robot: Robot = IDEAL
-    law: ContactLaw = EVALUATION
+    law: Law = EVALUATION
     height: float = 1.0
+    push: Push | None = None
+    task: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -85,8 +91,8 @@ class Kept:
 
 
 def _key(job: Job) -> str:
-    files = [_digest(file) for file in (job.policy, job.model) if file is not None]
-    plain = replace(job, policy=None, model=None)
+    files = [_digest(file) for file in (job.policy, job.model, job.task) if file is not None]
+    plain = replace(job, policy=None, model=None, task=None)
     told: Any = (_source(), *files, job.model is None, repr(plain))
     return hashlib.sha256(repr(told).encode()).hexdigest()[:24]
 
@@ -108,12 +114,13 @@ def _run(job: Job) -> Made:
     if job.policy is None:
         return _jump(job)
     bundle = read_bundle(job.policy)
+    both: dict[str, Any] = {"seconds": job.seconds, "push": job.push, "task_file": job.task}
     if job.model is None:
-        made = evaluate(bundle, seconds=job.seconds, seed=job.seed, robot=job.robot)
+        made = evaluate(bundle, seed=job.seed, robot=job.robot, **both)
     else:
         made = evaluate(
-            bundle, seconds=job.seconds, seed=_SIMULATION_SEED, hardware=False, sensors=PERFECT,
-            model=read_model(job.model), law=job.law, robot=Robot(payload=job.robot.payload),
+            bundle, seed=_SIMULATION_SEED, hardware=False, sensors=PERFECT, model=read_model(job.model),
+            law=job.law, robot=Robot(payload=job.robot.payload), **both,
         )  # fmt: skip
     return Made(made.recording, made.fell_s)
 

@@ -3,10 +3,11 @@
     python analyses/transfer_study.py gait --out out/transfer
 
 One table a question: ``gait`` (a lap of 0.8 m/s and 0.8 rad/s), ``pitch`` (in place, 5 Hz), ``jump`` (a
-script), ``payload`` (the lap with 4 kg), ``contact`` (the law of the contact), ``robot`` (a hardware that is
-less ideal) and ``paper`` (every policy in its own simulator alone). Every policy runs in every simulator,
-against the same hardware run; hardware again is another run of it, with other noise. Runs and models are
-kept in the folder.
+script), ``payload`` (the lap with 4 kg), ``push`` (from the side, on the lap), ``trot`` (1.8 m/s),
+``contact`` (the law of the contact), ``robot`` (a hardware that is less ideal), ``estimator`` (of the
+velocity) and ``paper`` (every policy in its own simulator alone). Every policy runs in every simulator,
+against the same hardware run; hardware again is another run of it, with other noise. Runs and models are kept
+in the folder.
 """
 
 from __future__ import annotations
@@ -17,8 +18,20 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, table, told
-from transfer_measures import GAIT, PITCH, SWING, gait_gaps, pitch_gaps, seen_by_legs, swing_misses
+from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, paired, table, told
+from transfer_floor import ON_PLATE, identified_law
+from transfer_measures import (
+    GAIT,
+    PITCH,
+    PUSHED,
+    SWING,
+    gait_gaps,
+    pitch_gaps,
+    push_gaps,
+    seen_by_filter,
+    seen_by_legs,
+    swing_misses,
+)
 from transfer_paired import Spread
 from transfer_plants import SETS
 from transfer_policies import about, simulators
@@ -26,8 +39,11 @@ from transfer_runs import Job, Made
 from transfer_tables import show
 
 from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
+from workbench.training.floor import Law
+from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
 from workbench.training.robot import PARTS, Robot
+from workbench.training.rollout import Push
 from workbench.training.tasks import CIRCLE
 
 PAPER = {
@@ -36,10 +52,19 @@ PAPER = {
     "s3n_act": ("S3N-Act", "15.7, 18.26"),
     "s3n_full": ("S3N-Full", "9.9, 12.23"),
 }
+_PUSH, _PUSHES = Push(50.0), 4
+_TROT = 1.8, 0.0  # m/s, rad/s
+_TROT_S = 4.0
 _LAP_S = 2 * np.pi / CIRCLE[2]
 _PITCH_S = 1.0 + 40 / 5.0
 _LAWS = {"default": ContactLaw(0.02, 0.003, elliptic=False), "training": TRAINING, "evaluation": EVALUATION}
-_LEGS = {"leg odometry, foot a point": 0.0, "leg odometry, radius known": FOOT_RADIUS}
+_ESTIMATORS: dict[str, Callable[[Made], Made]] = {
+    "motion capture": lambda made: made,
+    "leg odometry, foot a point": partial(seen_by_legs, radius=0.0),
+    "leg odometry, radius known": partial(seen_by_legs, radius=FOOT_RADIUS),
+    "Kalman filter, foot a point": partial(seen_by_filter, radius=0.0),
+    "Kalman filter, radius known": partial(seen_by_filter, radius=FOOT_RADIUS),
+}
 _lap_gaps = partial(gait_gaps, command=(CIRCLE[0], CIRCLE[2]))
 
 
@@ -66,14 +91,39 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, Values]:
 def gait(study: Study, robot: Robot | None = None, name: str = "gait") -> dict[str, Values]:
     """The lap: all policies in all simulators."""
     units, robot = study.policies("circular"), robot or study.hardware()
-    hardware, again, simulated = crossed(study, units, _seconds(study), robot)
-    values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
+    load = f" with {robot.payload:g} kg" if robot.payload else ""
+    title = f"A lap at 0.8 m/s and 0.8 rad/s{load}, {study.which}"
+    return _walked(study, name, title, crossed(study, units, _seconds(study), robot), _lap_gaps)
+
+
+def trot(study: Study) -> dict[str, Values]:
+    """Straight ahead at 1.8 m/s: policies of two levels of randomisation."""
+    runs = crossed(study, study.policies("trot"), 2.0 if study.quick else _TROT_S, study.hardware())
+    gaps = partial(gait_gaps, command=_TROT)
+    return _walked(study, "trot", f"A trot at 1.8 m/s, {study.which}", runs, gaps)
+
+
+def _walked(
+    study: Study, name: str, title: str, runs: tuple[list[Made], list[Made], dict[str, list[Made]]],
+    gaps: Callable[[Made, Made], dict[str, float]],
+) -> dict[str, Values]:  # fmt: skip
+    hardware, again, simulated = runs
+    values = collected(list(GAIT), hardware, again, simulated, gaps)
     missed = {s: [swing_misses(h, file) for h in hardware] for s, file in study.files.items()}
     for measure in SWING:
         values[measure] = {s: np.array([m[measure] for m in own]) for s, own in missed.items()}
-    load = f" with {robot.payload:g} kg" if robot.payload else ""
-    title = f"A lap at 0.8 m/s and 0.8 rad/s{load}, {study.which}"
-    told(study, name, title, len(units), GAIT | SWING, values)
+    told(study, name, title, len(hardware), GAIT | SWING, values)
+    return values
+
+
+def push(study: Study) -> dict[str, Values]:
+    """The lap of S3N-Full's policies, pushed from both sides in turn."""
+    units = study.policies("circular", "s3n_full")
+    seconds = _PUSH.first_s + (2 if study.quick else _PUSHES) * _PUSH.every_s
+    runs = crossed(study, units, seconds + STEP_S, study.hardware(), push=_PUSH)
+    values = collected(list(PUSHED), *runs, partial(push_gaps, push=_PUSH))
+    size = f"{_PUSH.force:g} N for {_PUSH.lasts_s:g} s"
+    told(study, "push", f"Pushes of {size} on the lap, {study.which}", len(units), PUSHED, values)
     return values
 
 
@@ -112,17 +162,22 @@ def jump(study: Study) -> dict[str, Values]:
 
 
 def contact(study: Study) -> dict[str, Values]:
-    """What the law of the contact does to the lap, S3N-Full's policies."""
+    """What the law of the contact does to the lap, S3N-Full's policies; the ground is that of the plate."""
     units = study.policies("circular", "s3n_full")
+    laws: dict[str, Law] = dict(_LAWS)
+    if "found" in study.files:
+        laws["identified"] = identified_law(study.files["found"], study.out / "models", study.seed)
     rows, out = [], {}
-    for name, law in _LAWS.items():
-        hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware(), law)
+    for name, law in laws.items():
+        hardware, again, simulated = crossed(study, units, _seconds(study), ON_PLATE, law)
         values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
-        for m in ("E_phi", "foot force over the stride"):
-            rows.append((f"{m} [{GAIT[m]}], {name}: {law}", *cells(study, values[m])))
+        for m in ("E_phi", "stride frequency", "duty factor", "foot force over the stride"):
+            label = f"{m} [{GAIT[m]}]" if GAIT[m] else m
+            shown = cells(study, values[m], 2 if GAIT[m] else 3)
+            rows.append((f"{label}, {name}: {law}", *shown, paired(study, values[m])))
             out[f"{name}: {m}"] = values[m]
     title = f"The law of the contact, S3N-Full's policies on the lap, {study.which}"
-    table(study, "contact", title, len(units), rows)
+    table(study, "contact", title, len(units), rows, "paired")
     return out
 
 
@@ -131,7 +186,7 @@ def robot(study: Study) -> dict[str, Values]:
     units = study.policies("circular", "s3n_full")
     chosen = dict(list(PARTS.items())[:1]) if study.quick else PARTS
     out: dict[str, Values] = {}
-    ideal, again, simulated = crossed(study, units, _seconds(study), Robot())
+    _, again, simulated = crossed(study, units, _seconds(study), Robot())
     for name, part in {"as drawn": Robot(), **chosen}.items():
         runs = study.make([Job(_seconds(study), study.seed, u.file, robot=part) for u in units])
         values = collected(list(GAIT), runs, again if name == "as drawn" else [], simulated, _lap_gaps)
@@ -140,12 +195,23 @@ def robot(study: Study) -> dict[str, Values]:
             s: np.array([swing_misses(h, f)["swing leg's knee"] for h in runs])
             for s, f in study.files.items()
         }
-    for name, radius in _LEGS.items():
-        one, two = ([seen_by_legs(h, radius) for h in runs] for runs in (ideal, again))
-        out[f"{name}: E_phi"] = collected(["E_phi"], one, two, simulated, _lap_gaps)["E_phi"]
     rows = [(f"{name} [%]", *cells(study, values)) for name, values in out.items()]
     title = "A robot that is less ideal, S3N-Full's policies on the lap"
     table(study, "robot", title, len(units), rows)
+    return out
+
+
+def estimator(study: Study) -> dict[str, Values]:
+    """What the hardware's velocity is measured with, S3N-Full's policies on the lap."""
+    units = study.policies("circular", "s3n_full")
+    hardware, again, simulated = crossed(study, units, _seconds(study), Robot())
+    out: dict[str, Values] = {}
+    for name, seen in _ESTIMATORS.items():
+        one, two = ([seen(h) for h in runs] for runs in (hardware, again))
+        values = collected(["E_phi", "E_RMSE"], one, two, simulated, _lap_gaps)
+        out |= {f"{name}: {m}": v for m, v in values.items()}
+    rows = [(f"{name} [%]", *cells(study, values)) for name, values in out.items()]
+    table(study, "estimator", "Who measures the velocity, S3N-Full's policies on the lap", len(units), rows)
     return out
 
 
@@ -170,7 +236,7 @@ def paper(study: Study) -> dict[str, Values]:
 
 
 QUESTIONS: dict[str, Callable[[Study], dict[str, Values]]] = {
-    f.__name__: f for f in (gait, pitch, jump, payload, contact, robot, paper)
+    f.__name__: f for f in (gait, pitch, jump, payload, push, trot, contact, robot, estimator, paper)
 }
 
 

@@ -10,12 +10,17 @@ import transfer_runs
 import transfer_study
 from figure_table import figures, measured
 from transfer_chirp import reduction
+from transfer_floor import ON_PLATE, identified_law
+from transfer_measures import push_answer
 from transfer_paired import Spread, ladder
 from transfer_plants import SETS, other_leg
 from transfer_runs import Job, Kept
 from transfer_tables import spread
 
+from workbench.core import Controller, Excitation, Recording
 from workbench.rigs import VirtualLeg
+from workbench.training.machine import STEP_S
+from workbench.training.rollout import HOLD_S, Push
 
 #: Columns of the quick tables.
 QUICK = ("Kin-Only", "S3N-Act", "S3N-Full")
@@ -64,6 +69,51 @@ def test_a_lap_pitch_and_a_jump_tell_simulators_apart(study: Path) -> None:
     assert {f"{q}_clean.{end}" for q in ("gait", "jump", "pitch") for end in ("md", "csv", "png")} <= files
     for figure, name in (("gait", "stride_kin_only"), ("jump", "kin_only"), ("pitch", "kin_only")):
         assert name in found(figure, study)
+
+
+def test_pushes_a_trot_laws_and_estimators_are_told_apart(study: Path) -> None:
+    """The quick size of four more questions."""
+    pushed = transfer_study.main(["push", "--quick", "--out", str(study)])["sideward speed, mean answer"]
+    assert pushed["kin_only"][0] > pushed["hardware again"][0]
+    trotted = transfer_study.main(["trot", "--quick", "--out", str(study)])
+    for measure in ("swing leg's knee", "swing leg's hip"):
+        assert (trotted[measure]["kin_only"] > 4.0 * trotted[measure]["s3n_full"]).all()
+    seen = transfer_study.main(["estimator", "--quick", "--out", str(study)])
+    point, known = (seen[f"leg odometry, {foot}: E_phi"] for foot in ("foot a point", "radius known"))
+    filtered, true = seen["Kalman filter, radius known: E_phi"], seen["motion capture: E_phi"]
+    for name in ("kin_only", "s3n_full"):
+        assert point[name][0] > known[name][0] > true[name][0] and point[name][0] > filtered[name][0]
+    laws = transfer_study.main(["contact", "--quick", "--out", str(study)])
+    assert {key.split(":")[0] for key in laws} == {"default", "training", "evaluation"}
+    assert all(np.isfinite(v["s3n_full"]).all() for v in laws.values())
+
+
+def test_the_law_of_the_ground_comes_from_recordings_on_the_plate(study: Path) -> None:
+    models = study / "models"
+    law = identified_law(models / "clean_s3n_full.toml", models, 0)
+    assert law.stiffness == pytest.approx(ON_PLATE.ground_stiffness, rel=0.05)
+    assert law.friction == pytest.approx(ON_PLATE.friction, abs=0.04)
+    assert identified_law(models / "clean_s3n_full.toml", models, 0) == law  # what is there is kept
+
+
+def test_an_answer_to_pushes_has_no_turn_and_no_stride_in_it() -> None:
+    push, t = Push(50.0, first_s=0.3, every_s=0.3), STEP_S * np.arange(round((HOLD_S + 2.1) / STEP_S))
+    since = np.maximum(t - HOLD_S - 0.3, 0.0)
+    sign = np.where((since // 0.3).astype(int) % 2 == 0, 1.0, -1.0)
+    side = 0.4 * sign * np.exp(-(since % 0.3) / 0.1) * (t >= HOLD_S + 0.3) + 0.07  # drifts to the left
+    level = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
+    log = Recording(
+        name="pushed", axes=("a",), coordinates="actuator", time=t,
+        signals={"position": np.zeros((len(t), 1))}, units=("rad",),
+        controller=Controller("pd", "joint", kp=(1.0,), kd=(0.0,), period_s=STEP_S),
+        excitation=Excitation("policy"),
+        extra={"base_orientation": level, "base_velocity": np.stack([0 * t, side, 0 * t], axis=1)},
+    )  # fmt: skip
+    speed, roll = push_answer(log, push)
+    assert speed.max() == pytest.approx(0.4, rel=0.05) and speed[-1] == pytest.approx(
+        0.4 * np.exp(-3), abs=0.02
+    )
+    assert not roll.any()
 
 
 def test_runs_are_computed_once(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,8 @@ from workbench.training.evaluate import evaluate
 from workbench.training.export import to_onnx
 from workbench.training.machine import make_machine
 from workbench.training.of_bundle import hardware_of, machine_of, robot_files
-from workbench.training.plants import ClosedChainPlant, TrainedPlant, begin
+from workbench.training.plant import begin
+from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.settings import control_table, layout
 from workbench.training.tasks import TASKS
 

@@ -1,20 +1,26 @@
 """Parts of a robot do what they are called, and the contact's law is the one that is stated."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from tests.training.make import machine
+from workbench.core import EffectKey, Estimate, InputError
 from workbench.effects import load_model
-from workbench.gait import with_leg_odometry
+from workbench.gait import with_filtered_velocity, with_leg_odometry
+from workbench.models import AppliedEffect
 from workbench.training.contact import EVALUATION, TRAINING
+from workbench.training.floor import IdentifiedLaw
 from workbench.training.jump import jump
 from workbench.training.legs import machine_limbs
 from workbench.training.machine import make_machine
 from workbench.training.payload import loaded
-from workbench.training.plants import ClosedChainPlant, TrainedPlant, begin
+from workbench.training.plant import begin
+from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.robot import IDEAL, PARTS, Robot
-from workbench.training.rollout import run
+from workbench.training.rollout import Push, run
 
 FEET = [f"{leg}_sphere" for leg in ("fl", "fr", "rl", "rr")]
 
@@ -38,6 +44,68 @@ def test_the_evaluation_s_law_is_laid_in_a_copy() -> None:
     assert made.opt.timestep == 0.0005 and made.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
     assert m.opt.timestep == 0.003 and m.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
     assert "0.5 ms" in str(EVALUATION)
+
+
+def standing(stiffness: float, hardware: bool, push: Push | None = None, seconds: float = 0.6):
+    made = machine("quadruped")
+    plant = (
+        ClosedChainPlant(made, Robot(ground_stiffness=stiffness, ground_damping=150.0))
+        if hardware
+        else TrainedPlant(made, IdentifiedLaw(stiffness, 150.0, 0.8))
+    )
+    return run(Still(), made, plant, seconds, 0, command=np.zeros((1, 1)), push=push)
+
+
+def test_a_ground_gives_way_on_hardware_as_in_the_simulation() -> None:
+    """By more than the weight over the stiffness, 3.5 mm: what sinks also leans, and legs give way."""
+    sunk = [
+        np.subtract(*(np.array(standing(k, hardware).rows["base_pose"])[-1, 2] for k in (1e5, 1e4)))
+        for hardware in (True, False)
+    ]
+    assert 0.0035 < sunk[0] < 0.007 and sunk[1] == pytest.approx(sunk[0], rel=0.15)
+
+
+def test_a_ground_s_damping_is_the_stated_one() -> None:
+    """What Drake takes by itself, a tenth of a second of the stiffness, hits a foot that lands harder."""
+    made, landed = machine("quadruped"), []
+    for damping in (20.0, None):
+        plant = ClosedChainPlant(made, Robot(ground_stiffness=2e4, ground_damping=damping))
+        log = run(Still(), made, plant, 0.1, 0, command=np.zeros((1, 1)))
+        force = np.array(log.rows["ground_force"])[10:60, 2::3].sum(axis=1)
+        landed.append(np.abs(np.diff(force)).sum())
+    assert landed[1] > 1.5 * landed[0]
+
+
+def test_a_law_is_read_from_the_effects_of_a_model() -> None:
+    found = (
+        AppliedEffect(
+            EffectKey("contact_compliance", None),
+            {"stiffness": Estimate(9e4, 1e3, "N/m"), "damping": Estimate(160.0, 20.0, "N*s/m")},
+        ),
+        AppliedEffect(EffectKey("ground_friction", None), {"coefficient": Estimate(0.79, 0.01, "")}),
+    )
+    leg = load_model("leg")
+    law = IdentifiedLaw.of(replace(leg, effects=(*leg.effects, *found)))
+    assert law == IdentifiedLaw(9e4, 160.0, 0.79) and "90 kN/m" in str(law)
+    with pytest.raises(InputError, match="no ground_friction"):
+        IdentifiedLaw.of(replace(leg, effects=(*leg.effects, found[0])))
+
+
+@pytest.mark.parametrize("hardware", [True, False], ids=["hardware", "simulation"])
+def test_a_push_moves_the_trunk_to_its_side_and_back(hardware: bool) -> None:
+    push = Push(force=60.0, lasts_s=0.06, first_s=0.15, every_s=0.15)
+    speed = np.array(standing(1e5, hardware, push, 0.4).rows["base_velocity"])[:, 1]
+    first, second = 120 + 50, 120 + 100
+    assert speed[first] == pytest.approx(0.0, abs=0.02)
+    assert 0.12 < speed[first + 20] < 0.3  # less than the impulse over the whole mass, 3.6 N s: feet hold
+    assert speed[second + 20] - speed[second] < -0.12
+
+
+def test_pushes_go_along_the_trunk_s_own_side() -> None:
+    push, turned = Push(force=10.0), np.array([0.0, 0.0, 0.3, np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
+    assert push.at(1.5, turned) == pytest.approx([-10.0, 0.0, 0.0])
+    assert push.at(1.5 + 1.13, turned) == pytest.approx([10.0, 0.0, 0.0])
+    assert not push.at(1.4, turned).any() and not push.at(1.6, turned).any()
 
 
 @pytest.mark.parametrize("make", [ClosedChainPlant, TrainedPlant], ids=["hardware", "simulation"])
@@ -101,3 +169,19 @@ def test_the_jump_leaves_the_ground_and_its_legs_tell_the_speed() -> None:
         for r in (0.02, 0.0)
     ]
     assert missed[0] < 0.02 and missed[1] > 1.5 * missed[0]
+
+
+def test_the_filter_follows_the_trunk_where_no_foot_stands() -> None:
+    made = machine("quadruped")
+    _, log = jump(made, TrainedPlant(made, EVALUATION), sensors=None)
+    recording = log.recording("jump", made, False).rows(slice(230, 480))  # stretching, and in the air
+    limbs, true = machine_limbs(made), recording.extra["base_velocity"]
+    force = np.linalg.norm(recording.extra["ground_force"].reshape(len(recording), 4, 3), axis=-1)
+    air = np.flatnonzero((force < 1.0).all(axis=1))
+    assert len(air) > 30
+    measured = np.diff(true, axis=0, append=true[-1:]) / recording.period
+    measured += 0.1 + 0.3 * np.random.default_rng(0).standard_normal(true.shape)
+    legs = with_leg_odometry(limbs, recording, 0.02)
+    filtered = with_filtered_velocity(limbs, recording, 0.02, measured, 0.3)
+    held, followed = (np.abs(r.extra["base_velocity"] - true)[air].mean() for r in (legs, filtered))
+    assert followed < 0.1 < 0.5 < held

@@ -11,7 +11,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, DiscreteContactApproximation
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    DiscreteContactApproximation,
+    ExternallyAppliedSpatialForce,
+)
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
@@ -110,6 +115,13 @@ class DiscreteChain:
         velocities = self.plant.GetVelocities(self._context)
         velocities[start : start + 6] += more
         self.plant.SetVelocities(self._context, velocities)
+
+    def push(self, force: np.ndarray) -> None:
+        """A force on the origin of the floating base, in the world (3,) [N], from now on; zero ends it."""
+        pushed = ExternallyAppliedSpatialForce()
+        [pushed.body_index], pushed.p_BoBq_B = self.plant.GetFloatingBaseBodies(), np.zeros(3)
+        pushed.F_Bq_W = SpatialForce(*np.array([np.zeros(3), force]))
+        self.plant.get_applied_spatial_force_input_port().FixValue(self._context, [pushed])
 
     def load(self, mass: float, at: Sequence[float]) -> None:
         """Fixes a point mass [kg] to the floating base, at a place in its frame (3,) [m]."""

@@ -34,6 +34,7 @@ class Ground:
         radius: of the spheres [m].
         friction: coefficient of dry friction, static and sliding.
         stiffness: of a contact [N/m]; None: as hard as the solver has it.
+        damping: of a contact that has a stiffness [N s/m]; None: as Drake has it, 0.1 s of its stiffness.
         roughness: height up to which tiles of the ground stand out of it [m], about the origin.
     """
 
@@ -41,6 +42,7 @@ class Ground:
     radius: float = 0.02
     friction: float = 0.8
     stiffness: float | None = None
+    damping: float | None = None
     roughness: float = 0.0
 
 
@@ -52,6 +54,9 @@ def stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[
         properties=surface, point_stiffness=stiffness,
         friction=CoulombFriction(ground.friction, ground.friction),
     )  # fmt: skip
+    if ground.stiffness is not None and ground.damping is not None:
+        # of both bodies Drake adds the times, and half of the sum belongs to each
+        surface.AddProperty("material", "relaxation_time", 0.5 * ground.damping / ground.stiffness)
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", surface)
     for k, (place, box) in enumerate(_tiles(ground.roughness)):
         plant.RegisterCollisionGeometry(plant.world_body(), place, box, f"tile{k}", surface)

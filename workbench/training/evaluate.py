@@ -14,14 +14,15 @@ from workbench.core import InputError, Recording
 from workbench.models import Model
 from workbench.rigs import Sensors
 
-from .contact import ContactLaw
 from .draws import Draws
+from .floor import Law
 from .machine import Machine, make_machine
 from .of_bundle import machine_of, task_of
 from .own_plant import OwnPlant
-from .plants import ClosedChainPlant, Plant, TrainedPlant
+from .plant import Plant
+from .plants import ClosedChainPlant, TrainedPlant
 from .robot import IDEAL, Robot
-from .rollout import PolicyPilot, run
+from .rollout import PolicyPilot, Push, run
 from .task import Task
 from .tried import called
 
@@ -50,8 +51,9 @@ def evaluate(
     sensors: Sensors | None = None,
     robot: Robot = IDEAL,
     model: Model | None = None,
-    law: ContactLaw | None = None,
+    law: Law | None = None,
     task_file: Path | None = None,
+    push: Push | None = None,
     tell: Callable[[float], None] = lambda done: None,
 ) -> Evaluation:
     """Run the policy of a bundle, and return its scores and recording.
@@ -66,6 +68,7 @@ def evaluate(
         model: of a leg, with its variant; the simulation is of this model instead of the trained one.
         law: of the simulation's contacts and steps, instead of those of its file.
         task_file: the Python file of a task that is one.
+        push: pushes on the trunk, on hardware and in simulation alike.
         tell: is told the share that is done.
 
     Raises:
@@ -88,7 +91,8 @@ def evaluate(
     task = task_of(bundle, task_file)
     log = run(
         PolicyPilot(Policy(bundle), task, machine), machine, plant, seconds, seed,
-        command=_command(task, seed, machine), goal=task.goal, sensors=sensors, robot=robot, tell=tell,
+        command=_command(task, seed, machine), goal=task.goal, sensors=sensors, robot=robot, push=push,
+        tell=tell,
     )  # fmt: skip
     variant = bundle.variant if machine.map is None else "fitted"
     name = f"{task.name}_{variant}_{'hardware' if hardware else 'simulation'}"

@@ -12,7 +12,7 @@ import numpy as np
 from workbench.rigs import Sensors
 
 from .machine import LEGS, STEP_S, Machine
-from .plants import Plant
+from .plant import Plant
 from .robot import IDEAL, Robot
 from .rollout import Log, run
 from .situation import Array, Situation

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.core import InputError
 from workbench.importing import own_rig
 from workbench.rigs import HiddenEffect, HiddenIn
 from workbench.rigs.own_drives import OwnDrives
 from workbench.rigs.own_motion import OwnMotion
 
 from .machine import STEP_S, Machine
-from .plants import State
+from .plant import State
 
 _PIECES = 12  # of a control step: 0.25 ms
 
@@ -52,6 +53,14 @@ class OwnPlant:
             self._drives.command(torque)
             acting = self._drives.acting(self._state.speed, self._nothing)
             self._state = self._motion.advance(self._state, acting)
+
+    def push(self, force: np.ndarray) -> None:
+        """Raise: a limb on its stand has no base that could be pushed.
+
+        Raises:
+            InputError: always.
+        """
+        raise InputError("this limb is fixed to its stand", remedy="push a robot that walks")
 
     def state(self) -> State:
         """Return the present state."""

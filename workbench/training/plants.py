@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -15,49 +14,15 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
-from .contact import ContactLaw
+from .floor import Law, laid
 from .machine import LEGS, STEP_S, Machine
 from .payload import loaded
+from .plant import State
 from .quadruped import FOOT_RADIUS
 from .robot import IDEAL, Robot
-from .situation import base_state
 
 _SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
 _LIMB_PIECES = 12  # of a control step in the simulation of a limb: 0.25 ms, as of its hardware
-_FALL = 0.005  # m that the quadruped is let down from
-
-
-@dataclass(frozen=True)
-class State:
-    """State at one time: true motion of the drives (n,), of the base in MuJoCo's order, and the loads of the
-    feet.
-
-    `pose` (7,): position, quaternion w x y z. `rate` (6,): linear velocity in the world, angular velocity in
-    the body. `feet` (F, 3): force of the ground on each foot, the mean over the control step before [N], as
-    a force plate of that bandwidth shows it. All empty for a leg on its stand.
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    pose: np.ndarray
-    rate: np.ndarray
-    feet: np.ndarray
-
-
-class Plant(Protocol):
-    """A plant that moves under drive torques held over a control step."""
-
-    def reset(self, drives: np.ndarray, height: float) -> None:
-        """Set it at rest at drive positions (n,), with the base level at a height [m]."""
-        ...
-
-    def advance(self, torque: np.ndarray) -> None:
-        """Simulate one control step under drive torques (n,) [N m]."""
-        ...
-
-    def state(self) -> State:
-        """Return the present state."""
-        ...
 
 
 class ClosedChainPlant:
@@ -77,9 +42,15 @@ class ClosedChainPlant:
         step = STEP_S / _SUBSTEPS
         if machine.floating:
             _refuse_other_legs(machine)
-            mechanism = quadruped_mechanism()
-            feet = tuple(f"{x}_foot" for x in LEGS)
-            ground = Ground(feet, FOOT_RADIUS, robot.friction, robot.ground_stiffness, robot.roughness)
+            mechanism, feet = quadruped_mechanism(), tuple(f"{x}_foot" for x in LEGS)
+            ground = Ground(
+                feet,
+                FOOT_RADIUS,
+                robot.friction,
+                robot.ground_stiffness,
+                robot.ground_damping,
+                robot.roughness,
+            )
         else:
             if model.closed_chain is None:
                 raise InputError(
@@ -115,6 +86,10 @@ class ClosedChainPlant:
             if self._machine.floating:
                 force += chain.ground_force
         self._force = force / _SUBSTEPS
+
+    def push(self, force: np.ndarray) -> None:
+        """Push the base."""
+        self._chain.push(force)
 
     def state(self) -> State:
         """Return the present state."""
@@ -175,14 +150,14 @@ class TrainedPlant:
         payload: mass at the trunk's centre [kg].
     """
 
-    def __init__(self, machine: Machine, law: ContactLaw | None = None, payload: float = 0.0) -> None:
+    def __init__(self, machine: Machine, law: Law | None = None, payload: float = 0.0) -> None:
         self._machine, m = machine, machine.mujoco
         feet = [f"{leg}_sphere" for leg in LEGS] if machine.floating else []
         if not machine.floating:
             m = copy.copy(m)
             m.opt.timestep = STEP_S / _LIMB_PIECES
         if law is not None:
-            m = law.applied(m, feet)
+            m = laid(law, machine.xml, m, machine.model, feet)
         if payload:
             m = loaded(m, payload)
         self._m, self._data = m, mujoco.MjData(m)
@@ -209,6 +184,12 @@ class TrainedPlant:
             force += self._loads()
         self._force = force / self._substeps
 
+    def push(self, force: np.ndarray) -> None:
+        """Push the base; its origin is that of its body."""
+        trunk, data = int(self._m.jnt_bodyid[0]), self._data
+        arm = data.xpos[trunk] - data.xipos[trunk]  # MuJoCo pushes at the centre of mass
+        data.xfrc_applied[trunk] = [*force, *np.cross(arm, force)]
+
     def state(self) -> State:
         """Return the present state."""
         m, data = self._machine, self._data
@@ -234,13 +215,3 @@ class TrainedPlant:
                     world = contact.frame.reshape(3, 3).T @ six[:3]
                     loads[self._feet.index(foot)] += world if side else -world
         return loads
-
-
-def begin(plant: Plant, machine: Machine) -> None:
-    """Set a plant at rest in the posture of the machine, a little above the ground."""
-    plant.reset(machine.drive_position(machine.posture), machine.height + _FALL)
-
-
-def body_frame(state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return direction of gravity, linear and angular velocity in the frame of the base, (1, 3) each."""
-    return base_state(np, state.pose[None], state.rate[None])

@@ -21,6 +21,7 @@ class Robot:
         drive_friction: dry friction in all twelve drives, abductions too [N m].
         friction: coefficient of the ground.
         ground_stiffness: of a contact [N/m]; None: as hard as the solver has it.
+        ground_damping: of a contact that has a stiffness [N s/m]; None: Drake's own.
         roughness: height up to which the ground's tiles stand out [m].
         payload: mass at the trunk's centre, which the simulator is told [kg].
         trunk_mass: mass at `trunk_at` that nobody is told [kg].
@@ -37,6 +38,7 @@ class Robot:
     drive_friction: float = 0.0
     friction: float = 0.8
     ground_stiffness: float | None = None
+    ground_damping: float | None = None
     roughness: float = 0.0
     payload: float = 0.0
     trunk_mass: float = 0.0

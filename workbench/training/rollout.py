@@ -5,6 +5,7 @@ logged.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -16,13 +17,39 @@ from workbench.rigs import Sensors
 from .control import action_target, drive_torque
 from .environment import STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine
-from .plants import Plant, State, begin, body_frame
+from .plant import Plant, State, begin, body_frame
 from .robot import IDEAL, Robot
 from .situation import Array, Constants, Situation
 from .task import Task
 
 HOLD_S = 0.36  # the posture is held before anything else
 _GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
+
+
+@dataclass(frozen=True)
+class Push:
+    """Pushes on the trunk from the side, to the left and to the right in turn.
+
+    Attributes:
+        force: at the trunk's origin, along its own y [N].
+        lasts_s: of each [s].
+        first_s, every_s: when the first begins after the hold, and from one to the next [s].
+    """
+
+    force: float = 100.0
+    lasts_s: float = 0.1
+    first_s: float = 1.5
+    every_s: float = 1.13
+
+    def at(self, time: float, base: np.ndarray) -> np.ndarray:
+        """Return the force in the world (3,) [N] at a time after the hold, for a pose of the trunk (7,)."""
+        since = time - self.first_s
+        if since < 0.0 or since % self.every_s >= self.lasts_s - 1e-9:
+            return np.zeros(3)
+        w, x, y, z = base[3:]
+        side = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 0.0])
+        sign = 1.0 if int(since // self.every_s) % 2 == 0 else -1.0
+        return sign * self.force * side / np.linalg.norm(side)
 
 
 class Pilot(Protocol):
@@ -101,7 +128,8 @@ class Log:
 def run(
     pilot: Pilot, machine: Machine, plant: Plant, seconds: float, seed: int, *,
     command: np.ndarray, goal: Callable[..., tuple[Array, Array]] | None = None,
-    sensors: Sensors | None = None, robot: Robot = IDEAL, tell: Callable[[float], None] = lambda done: None,
+    sensors: Sensors | None = None, robot: Robot = IDEAL, push: Push | None = None,
+    tell: Callable[[float], None] = lambda done: None,
 ) -> Log:  # fmt: skip
     """Hold the posture for `HOLD_S`, then follow the pilot; return the log.
 
@@ -115,6 +143,7 @@ def run(
         goal: joint angles that the task asks for, to be logged; see `Task.goal`.
         sensors: of the drives; by default those of the virtual leg.
         robot: whose inertial unit, latency and drives these are.
+        push: pushes on its trunk.
         tell: is told the share that is done.
     """
     generator, log, n = np.random.default_rng(seed), Log(), machine.size
@@ -163,6 +192,8 @@ def run(
             if log.fell_s is None and (true.pose[2] < machine.lowest or -gravity[0, 2] < STEEPEST):
                 log.fell_s = max(since, 0) * STEP_S
                 break
+        if push is not None:
+            plant.push(push.at(since * STEP_S, true.pose))
         plant.advance(acting)
         tell((tick + 1) / ticks)
     return log
