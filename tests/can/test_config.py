@@ -55,14 +55,20 @@ def test_a_dbc_is_written(tmp_path: Path) -> None:
 
 
 def test_an_odrive_may_close_its_own_loop_and_a_moteus_stand_beside_another(tmp_path: Path) -> None:
-    load_config(written(tmp_path, table([ODRIVE], loop={"pd": "drive", "kd": 0.5})))
-    load_config(written(tmp_path, table([motor(a, k, protocol="robstride") for k, a in enumerate("ab")])))
-    load_config(
-        written(tmp_path, table([motor(a, k, protocol="mit", reply_id=9) for k, a in enumerate("ab")]))
+    robstride, mit = (
+        [motor(a, k, protocol=name, **more) for k, a in enumerate("ab")]
+        for name, more in (("robstride", {}), ("mit", {"reply_id": 9}))
     )
-    load_config(written(tmp_path, flexible([MOTEUS, {**MOTEUS, "axis": "toe", "id": 2}])))
-    load_config(written(tmp_path, flexible([MOTEUS], rate=1_000_000)))
-    load_config(written(tmp_path, table([ODRIVE, {**HIP, "axis": "toe", "id": 2, "reply_id": 0x40}])))
+    beside = [ODRIVE, {**HIP, "axis": "toe", "id": 2, "reply_id": 0x40}]
+    for content, axes in [
+        (table([ODRIVE], loop={"pd": "drive", "kd": 0.5}), 1),
+        (table(robstride), 2),
+        (table(mit), 2),
+        (flexible([MOTEUS, {**MOTEUS, "axis": "toe", "id": 2}]), 2),
+        (flexible([MOTEUS], rate=1_000_000), 1),
+        (table(beside), 2),
+    ]:
+        assert len(load_config(written(tmp_path, content)).axes) == axes
 
 
 def test_a_dbc_of_an_odrive_is_that_of_its_node_and_a_moteus_has_none(tmp_path: Path) -> None:

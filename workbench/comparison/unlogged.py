@@ -29,6 +29,7 @@ from .noise import NoiseModel
 
 _Speed = Literal["sensor", "difference"]
 _SPEEDS: tuple[_Speed, ...] = "sensor", "difference"
+_CONSTANT, _DIFFERENCE, _LATE = range(3)  # what may change the torque by the law: places in `Asked.answers`
 _NEAR = 0.4  # of the way from one answer to the other: a vote for the one that is as near as that
 _SURE = 0.2  # the same, of all axes together, for an answer beside which the other need not be tried
 _EDGE_S = 0.3
@@ -86,13 +87,13 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     between = [prepare(r, model) for r in known]
     if not alone or not any(np.any(e.ticks % e.stride) for e in between):
         return tuple(_by_speed(Reading(tuple(out), asked), axes))
-    share, std = answer_share([np.hstack([a.others, a.damping, a.inertia]) for a in axes], axes, 0)
+    share, std = answer_share([np.hstack([a.others, a.damping, a.inertia]) for a in axes], axes, _CONSTANT)
     held = share > 0.5
     sure = max(std, abs(share - held)) < _SURE and not (held and _may_be_late(axes))
     found: list[Reading] = []
     for answer in (held,) if sure else (held, not held):
         taken = tuple(_held(r, answer) if i in asked else r for i, r in enumerate(out))
-        rest = [replace(a, lacking=a.lacking + answer * a.answers[:, 0]) for a in axes]
+        rest = [replace(a, lacking=a.lacking + answer * a.answers[:, _CONSTANT]) for a in axes]
         found += _by_speed(Reading(taken, asked, True, sure), rest)
     return tuple(found)
 
@@ -100,7 +101,7 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
 def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
     """A reading with the way in which loops come to know their speed, or with each of them."""
     # inertia that is wrong hides it on its axes
-    votes = [answer_share([np.hstack([a.others, a.damping])], [a], 1) for a in axes]
+    votes = [answer_share([np.hstack([a.others, a.damping])], [a], _DIFFERENCE) for a in axes]
     decided: list[_Speed] = [how for answer, how in enumerate(_SPEEDS) if _most_say(votes, answer)]
     ways: tuple[_Speed, ...] = tuple(decided) or ("difference", "sensor")
     found = []
@@ -118,7 +119,7 @@ def _may_be_late(axes: Sequence[Asked]) -> bool:
     """
     votes = []
     for a in axes:
-        constant, late = a.answers[:, 0], a.answers[:, 2]
+        constant, late = a.answers[:, _CONSTANT], a.answers[:, _LATE]
         beside = replace(a, lacking=a.lacking + constant, answers=(late - constant)[:, None])
         votes.append(answer_share([a.others], [beside], 0))
     return _most_say(votes, 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
-from .adequacy.imitations import imitates_another_law
+from .adequacy.imitations import imitate_another_law, share_a_law
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
@@ -65,8 +65,9 @@ def may_be_named(node: Node, problem: Problem) -> bool:
 
 def imitates(node: Node, problem: Problem) -> bool:
     """Return whether effects of a node follow the curve of another law along the measured motion."""
-    along = problem.inverse_dynamics if len(node.steps) > 1 else None
-    return along is not None and imitates_another_law(node.current, along[2])
+    added = node.current.hypothesis.added
+    along = problem.inverse_dynamics if share_a_law(added) else None
+    return along is not None and imitate_another_law(added, along[2])
 
 
 def _named(node: Node, stands: int, problem: Problem) -> int:

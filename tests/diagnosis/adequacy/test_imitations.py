@@ -10,7 +10,7 @@ import pytest
 from tests.bench_arm import FAST, SLOW, bench_arm, logged
 from tests.diagnosis.rig import asked
 from workbench.core import EffectKey
-from workbench.diagnosis.adequacy.imitations import imitates_another_law, imitations
+from workbench.diagnosis.adequacy.imitations import imitate_another_law, imitations, share_a_law
 from workbench.diagnosis.moves.joint_fit import certain_of, fit_of_selection
 from workbench.diagnosis.screening.selection import selection_of
 from workbench.effects import load_model
@@ -39,7 +39,8 @@ def test_less_than_nothing_of_one_law_is_the_curve_of_another(tmp_path: Path, re
     found = fit_of_selection(regression, chosen, start, data)
     assert found is not None and found.hypothesis.keys == {DAMPING, DRAG}
     assert imitations(regression, chosen.chosen, found.hypothesis.free) == told
-    assert imitates_another_law(found, regression) == bool(told)
+    assert share_a_law(found.hypothesis.free) and not share_a_law(found.hypothesis.free[:1])
+    assert imitate_another_law(found.hypothesis.free, regression) == bool(told)
     certain = certain_of(regression, start, data)
     assert certain is not None and (not told or not certain.known.keys() & told)
 

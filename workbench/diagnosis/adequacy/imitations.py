@@ -15,7 +15,6 @@ from workbench.core import EffectKey, Estimate
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
-from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.equations import Entry
 from ..screening.torque_regression import Chosen, Regression
@@ -44,16 +43,18 @@ def imitations(
     )
 
 
-def imitates_another_law(found: Fit, regression: Regression) -> bool:
+def share_a_law(added: Sequence[AppliedEffect]) -> bool:
+    """Return whether two of some effects are torques of the same quantities in one place."""
+    return any(_of_one_law(a.key, b.key) for a, b in combinations(added, 2))
+
+
+def imitate_another_law(added: Sequence[AppliedEffect], regression: Regression) -> bool:
     """Return whether some of the effects that were found one by one follow the curve of another law.
 
     Args:
-        found: the fit of all of them.
+        added: all of them, as fitted.
         regression: of all effects along the measured motion, from the same unchanged model.
     """
-    added = found.hypothesis.added
-    if not any(_of_one_law(a.key, b.key) for a, b in combinations(added, 2)):
-        return False
     chosen: Chosen = ()
     for applied in added:
         shapes = [e for e in regression.entries if e.key == applied.key]
