@@ -142,7 +142,7 @@ def _refuse_wrong_sign(asked: Asked) -> None:
 def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way], list[SearchResult]]:
     """Return the assumptions that may be right, those whose joint solution leaves only noise first.
 
-    Where one effect alone leaves only noise under one of them, those in which it may come with the results.
+    Where one effect alone leaves only noise under one of them, all come with the results of that.
 
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
     what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say, or
@@ -162,10 +162,10 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     if fewest <= 1 or any(way.asked.problem.is_expensive for way in ways):
         return [ways[k] for k in kept] or ways, []
     # a delay, which is no torque along the motion, may suffice alone
-    likely = [way for way in ways if one_effect_may_suffice(way.asked.problem)]
-    alone = [way.searched(most=1) for way in likely]
+    likely = any(one_effect_may_suffice(way.asked.problem) for way in ways)
+    alone = [way.searched(most=1) for way in ways] if likely else []
     if any(one.consistent_after for one in alone):
-        return likely, alone
+        return ways, alone
     others = [k for k in range(len(ways)) if k not in kept and fewest > 2]
     return [ways[k] for k in (*kept, *others)], []
 
