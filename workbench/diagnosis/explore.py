@@ -11,6 +11,7 @@ from workbench.core import Tried
 
 from .moves.add import grown
 from .moves.order import MOVES, Move
+from .moves.replace import with_rivals_beside_all
 from .node import Node, explained_share, node_after
 from .node_acceptance import accepts
 from .problem import Problem
@@ -21,6 +22,8 @@ _RANKED = 8  # rivals that are told of each effect that was added
 
 def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
     """Return the best node that moves reach from a root, without insignificant last effects, and the trace.
+
+    The rivals of its effects are those beside all of them.
 
     A proposed node is grown one effect at a time, as far as it asks for. Where it leads takes the place of
     the best node so far by one rule (`accepts`); all moves are then asked about the new one too.
@@ -43,7 +46,7 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
                 if node is not end:
                     agenda.add(node)
                 break
-    return without_insignificant_end(best, problem), tuple(trace)
+    return with_rivals_beside_all(without_insignificant_end(best, problem), problem), tuple(trace)
 
 
 def _tried(parent: Node, node: Node, taken: bool, why: str, problem: Problem) -> Tried:

@@ -26,6 +26,9 @@ from ..significance import identifiable
 from .choice import EffectLoss, Explanation, loss_ratios
 
 
+_LEAST = 1e-12  # beside losses, which may be none
+
+
 def replaced(node: Node, problem: Problem) -> Iterator[Node]:
     """Return nodes with one effect replaced by another of nearly the same loss, starting with the last
     effects.
@@ -45,17 +48,56 @@ def replaced(node: Node, problem: Problem) -> Iterator[Node]:
 def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
     """Return steps with one effect replaced by another and all others kept, best first."""
     current, data = node.current, node.data
-    keys = [
-        key
-        for key, left in step.loss_ratios
-        if left < POLICY.replacement_close and not has_cause(current, key)
-    ]
-    if not keys or all(a.key != step.added for a in current.hypothesis.free):
+    keys = [key for key, left in step.loss_ratios if left < POLICY.replacement_close]
+    rest, tried = _in_its_place(step, keys, node, problem)
+    if rest is None:
         return ()
+    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, current.test_loss)]
+    return tuple(_step(explanation, left, step, rest, node) for explanation in tried)
+
+
+def with_rivals_beside_all(node: Node, problem: Problem) -> Node:
+    """Return the node with the rivals of each effect fitted beside all effects that were added later.
+
+    What did as well while a delay was missing need not do so beside the delay. Only asked where noise is all
+    that is left: where more is missing, a rival may explain a part of that.
+    """
+    if not node.done or node.jointly or node.diverges or node.data.budget.spent:
+        return node
+    steps = tuple(_beside_all(step, node, problem) for step in node.steps[:-1])
+    return replace(node, steps=(*steps, *node.steps[-1:]))
+
+
+def _beside_all(step: AcceptedStep, node: Node, problem: Problem) -> AcceptedStep:
+    """Return the step with loss ratios of its closest rivals beside all effects."""
+    close = [key for key, left in step.loss_ratios if left < POLICY.pair_rival]
+    rest, tried = _in_its_place(step, close, node, problem)
+    if rest is None:
+        return step
+    left = {c.key: f.test_loss / max(node.current.test_loss, _LEAST) for c, f in tried}
+    ratios = {**dict(step.loss_ratios), **left}
+    return replace(
+        step,
+        loss_ratios=tuple(sorted(ratios.items(), key=lambda r: r[1])),
+        indistinguishable=tuple(k for k in step.indistinguishable if left.get(k, 1.0) <= 1.0 + POLICY.tie),
+    )
+
+
+def _in_its_place(
+    step: AcceptedStep, keys: Sequence[EffectKey], node: Node, problem: Problem
+) -> tuple[Fit | None, list[Explanation]]:
+    """Return the fit without the effect of a step, and fits with some others in its place, best first.
+
+    Causes that the node has already are not tried. None and nothing where there is nothing to try.
+    """
+    current, data = node.current, node.data
+    keys = [key for key in keys if not has_cause(current, key)]
+    if not keys or all(a.key != step.added for a in current.hypothesis.free):
+        return None, []
     problem.progress(f"trying other causes in place of {effect_phrase(step.added)}")
     (rest,) = fit([current.hypothesis.without(step.added)], data, iterations=1)
     if rest is None:
-        return ()
+        return None, []
     linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     known = (
         *candidates(linearisation, rest, data, problem.seed),
@@ -66,9 +108,7 @@ def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
     tried = [
         (c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and identifiable(linearisation, f)
     ]
-    tried.sort(key=lambda cf: cf[1].test_loss)
-    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, current.test_loss)]
-    return tuple(_step(explanation, left, step, rest, node) for explanation in tried)
+    return rest, sorted(tried, key=lambda cf: cf[1].test_loss)
 
 
 def _step(
