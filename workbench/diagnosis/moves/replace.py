@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.report.wording import effect_phrase
 
 from ..acceptance import halves_excess, near_noise_floor
@@ -24,7 +25,6 @@ from ..screening.stiction import candidates
 from ..search_result import AcceptedStep, has_cause
 from ..significance import identifiable
 from .choice import EffectLoss, Explanation, loss_ratios
-
 
 _LEAST = 1e-12  # beside losses, which may be none
 
@@ -47,12 +47,11 @@ def replaced(node: Node, problem: Problem) -> Iterator[Node]:
 
 def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
     """Return steps with one effect replaced by another and all others kept, best first."""
-    current, data = node.current, node.data
     keys = [key for key, left in step.loss_ratios if left < POLICY.replacement_close]
     rest, tried = _in_its_place(step, keys, node, problem)
     if rest is None:
         return ()
-    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, current.test_loss)]
+    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, node.current.test_loss)]
     return tuple(_step(explanation, left, step, rest, node) for explanation in tried)
 
 
