@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from workbench.diagnosis.moves.order import MOVES
+
 from .compact import Line
 
 #: What a case can be, the worst first. Of answers that are the same, the work says the rest.
@@ -53,7 +55,23 @@ def report(old: Sequence[Line], new: Sequence[Line]) -> str:
             parts.append(
                 f"{what} of {len(pairs)} cases: {was:.4g} -> {now:.4g} {unit} ({now / was:.2f} times)."
             )
-    return "\n".join(parts)
+    return "\n".join([*parts, *_moves(new)])
+
+
+def _moves(lines: Sequence[Line]) -> list[str]:
+    """Of each move of the search, in how many cases it led to a better node; those in none last.
+
+    A move that never does is one that the search could do without.
+    """
+    ways = [line["moves"] for line in lines if line.get("moves")]
+    if not ways:
+        return []
+    counts = {move.name: sum(move.name in way for way in ways) for move in MOVES}
+    ordered = sorted(counts.items(), key=lambda c: -c[1])
+    return [
+        f"Moves that led to something better, of {len(ways)} cases:",
+        *(f"- {n}: {m}" for m, n in ordered),
+    ]
 
 
 def _pairs(old: Sequence[Line], new: Sequence[Line], key: str) -> list[tuple[float, float]]:

@@ -40,7 +40,8 @@ def compact(line: Line) -> dict[str, Any]:
             for f in line["findings"]
         ],
     }
-    return short | {"work": _round(line.get("work"), 4), "cpu_s": _round(line["cpu_s"], 3)}
+    spent = {"work": _round(line.get("work"), 4), "cpu_s": _round(line["cpu_s"], 3)}
+    return short | {"moves": line.get("moves", [])} | spent
 
 
 def machine_line(answer: Line) -> dict[str, Any]:

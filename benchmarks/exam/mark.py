@@ -85,6 +85,7 @@ def _diagnosed(
         return {**line, "failed": f"diagnosis: {type(error).__name__}: {error}"}
     line |= _spent(wall, cpu)
     line["work"] = float(diagnosis.work)
+    line["moves"] = [tried.move for tried in diagnosis.trace if tried.taken]
     before = compare(model, data.training, draws=4)
     judging = data.held_out or data.training
     known = case.kind != "outsider"

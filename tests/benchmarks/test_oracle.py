@@ -125,6 +125,13 @@ def test_the_report_counts_only_what_both_have() -> None:
     assert "Work of 1 cases: 1e+07 -> 3e+07 steps (3.00 times)." in text
 
 
+def test_the_report_says_which_moves_led_to_answers() -> None:
+    plain, pair = "add one effect at a time", "two causes at once"
+    new = [compact(marks(moves=[plain])), compact(marks(case="b", moves=[plain, pair]))]
+    lines = report([], new).splitlines()
+    assert f"- 2: {plain}" in lines and f"- 1: {pair}" in lines and "- 0: other sizes of a gap" in lines
+
+
 def test_a_machine_is_a_case() -> None:
     value = {"value": 0.2, "std": 0.01, "unit": "N*m"}
     named = {"effect": "coulomb_friction", "axis": "pan", "location": "actuator", "probability": 0.9}
