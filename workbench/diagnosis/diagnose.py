@@ -71,7 +71,7 @@ def diagnose(
 def diagnosis_of(found: Rounds) -> Diagnosis:
     """Return the diagnosis that follows from one search or several successive ones."""
     first, last = found[0], found[-1]
-    verdict, less = verdict_of(first)
+    verdict = verdict_of(first)
     named = verdict in NAMED
     rest = _rest(verdict, found)
     if len(found) > 1:
@@ -102,7 +102,6 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         ranking=ranking_of(first),
         evidence=(
             *refuting_line(verdict, first),
-            *(less.lines if less and not named else ()),
             *near_line(verdict, first),
             *cut_short_line(last),
             *(clues.of_rest(after.where) if clues else ()),

@@ -37,7 +37,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
         step, previous = found.steps[index], _before(found, index)
         fall = _held_out_fall(found, index, held_out_floor)
-        same = inseparable(found.linear, applied) if found.linear else ()
+        same = inseparable(found.linear, applied, found.model) if found.linear else ()
         rivals = dict.fromkeys((*step.indistinguishable_at(found.final), *(k for k in same if k not in keys)))
         findings.append(
             Finding(

@@ -74,7 +74,7 @@ class Policy:
     next_best_doubt: float = 0.5  # probability lost where the next explanation does as well; less sure names
     next_best_decay: float = 8.0  # how fast that goes with the relative error of the next; surer names
     rival_doubt: float = 0.25  # weight of rivals in the probability, times their number²; less sure names
-    plain_parameters: int = 2  # parameters up to which "too much" is not asked at the noise; asked less often
+    plain_parameters: int = 2  # parameters up to which no early effect is doubted; fewer new starts
     ground_error: float = 1.5  # rms error / noise up to which names stand on the ground; more names
 
     # Screening
@@ -116,7 +116,7 @@ class Policy:
     shift_rows: int = 5  # rows by which a log may be shifted; longer shifts are told
     shift_left: float = 0.1  # share of the difference that whole rows leave; lags are called shifts
 
-    # Wrong signs and units, and too much of something
+    # Wrong signs and units
     sign_above: float = 3.0  # rms error / noise from which axes are turned to see; fewer refused
     sign_error: float = 0.25  # relative rms error that the right sign may leave; more refused
     sign_left: float = 0.2  # what turning leaves of the error; more refused
@@ -124,11 +124,6 @@ class Policy:
     unit_error: float = 0.25  # share of the torque² that the right unit may leave; guesses stand
     unit_left: float = 0.25  # what another unit leaves of that; more refused
     unit_near: float = 0.12  # relative distance of a factor from one between units; more doubts told
-    too_much_gain: float = 0.15  # share of the rest that one more wrong number removes; fewer parts
-    too_much_least: float = 0.01  # share that it removes at least; fewer parts
-    too_much_share: float = 0.85  # share that all of them remove; told less often
-    too_much_times: float = 2.0  # rest without them over the rest with them; told less often
-    too_much_fewer: int = 2  # parameters that they save beside effects at the noise; told less often
     sure: float = 4.0  # deviations by which data show another value without any fit; less is told
 
     # Intervals

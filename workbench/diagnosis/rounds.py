@@ -55,7 +55,7 @@ def rounds(
 
 
 def _names(found: SearchResult) -> bool:
-    return verdict_of(found)[0] in NAMED
+    return verdict_of(found) in NAMED
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:

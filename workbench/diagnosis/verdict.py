@@ -6,27 +6,22 @@ from workbench.core import Verdict
 
 from .acceptance import contradicts_holdout
 from .may_be_named import may_be_named
-from .moves.overestimated import Overestimated, overestimated
 from .policy import POLICY
 from .search_result import SearchResult
 
 NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 
 
-def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
-    """Return the verdict, and overestimated parameters if they were searched for."""
+def verdict_of(found: SearchResult) -> Verdict:
+    """Return the verdict of a search."""
     if found.consistent_before:
-        return "unexplained" if refuted(found) else "consistent", None
+        return "unexplained" if refuted(found) else "consistent"
     explains = found.consistent_after or max(found.explained, found.median_explained) >= POLICY.explained
     if found.adequacy and not explains and not refuted(found):
-        return "partly_explained", None
+        return "partly_explained"
     whole = found.steps and explains and not refuted(found)
     named = whole and may_be_named(found.final, found.final_data) and not found.imitates
-    doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
-    less = overestimated(found) if doubtful else None
-    if less is not None and less.plainer_than(found):
-        named = False
-    return "missing_effect" if named else "unexplained", less
+    return "missing_effect" if named else "unexplained"
 
 
 def refuted(found: SearchResult) -> bool:

@@ -26,8 +26,6 @@ from ..search_result import AcceptedStep, has_cause
 from ..significance import identifiable
 from .choice import EffectLoss, Explanation, loss_ratios
 
-_LEAST = 1e-12  # beside losses, which may be none
-
 
 def replaced(node: Node, problem: Problem) -> Iterator[Node]:
     """Return nodes with one effect replaced by another of nearly the same loss, starting with the last
@@ -73,7 +71,7 @@ def _beside_all(step: AcceptedStep, node: Node, problem: Problem) -> AcceptedSte
     rest, tried = _in_its_place(step, close, node, problem)
     if rest is None:
         return step
-    left = {c.key: f.test_loss / max(node.current.test_loss, _LEAST) for c, f in tried}
+    left = dict(loss_ratios(step.added, node.current.test_loss, ((c.key, f.test_loss) for c, f in tried)))
     ratios = {**dict(step.loss_ratios), **left}
     return replace(
         step,

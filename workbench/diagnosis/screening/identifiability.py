@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect
+from workbench.models import AppliedEffect, Model, Placement
 
 from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
@@ -79,8 +79,8 @@ def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Map
     return {name: known.parameters[name] for name in asked if name in known.parameters}
 
 
-def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]:
-    """Return effects that can replace one of the found size, and that it can replace."""
+def inseparable(linear: Linear, applied: AppliedEffect, model: Model) -> tuple[EffectKey, ...]:
+    """Return effects that can replace one of the found size in a model, and that it can replace."""
     coefficients = effect_named(applied.key.effect).parameters.to_coefficients(applied.values)[0]
     alike = [e for e in linear.entries if e.key == applied.key and len(e.linear) == len(coefficients)]
     if not alike:
@@ -94,9 +94,24 @@ def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]
         related = linear.correlation(columns_of(own), columns_of(other)) >= POLICY.related
         if other is own or not related or not times:
             continue
-        if times * max(linear.differs(own, other), linear.differs(other, own)) < POLICY.significant:
+        apart = times * max(linear.differs(own, other), linear.differs(other, own))
+        if apart < POLICY.significant and _can_replace(other, own, coefficients, linear, model):
             out.append(other.key)
     return tuple(out)
+
+
+def _can_replace(other: Entry, own: Entry, coefficients: np.ndarray, linear: Linear, model: Model) -> bool:
+    """Return whether the size with which one effect would replace another is physically possible.
+
+    Where a file states no rotor, none can be smaller, and what a link's inertia is too large is no rotor's.
+    """
+    if not (other.linear and own.linear):
+        return True
+    effect, place = effect_named(other.key.effect), Placement.of(model, other.key)
+    low, high = (b[: len(other.linear)] for b in effect.parameters.bounds(model, place, other.shape))
+    doubt = POLICY.significant * np.sqrt(np.diag(linear.covariance(other.linear)))
+    size = linear.replacement(own.linear, coefficients, other.linear)
+    return bool(((low - doubt <= size) & (size <= high + doubt)).all())
 
 
 def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:

@@ -94,6 +94,11 @@ class Linear:
         variance = max(self.covariance(index)[-1, -1], self._white * self._inverse(index)[-1, -1])
         return float(self.small(entry) / np.sqrt(max(variance, 1e-300)))
 
+    def replacement(self, one: Sequence[int], coefficients: np.ndarray, other: Sequence[int]) -> np.ndarray:
+        """Return the coefficients of other columns that come closest to some columns with theirs."""
+        block, cross = self._gram[np.ix_(other, other)], self._gram[np.ix_(other, one)]
+        return np.linalg.lstsq(block, cross @ coefficients, rcond=1e-12)[0]
+
     def correlation(self, one: Sequence[int], other: Sequence[int]) -> float:
         """Return the largest absolute correlation of any column of one effect with any column of another."""
         size = np.sqrt(np.maximum(np.outer(np.diag(self._gram)[one], np.diag(self._gram)[other]), 1e-300))
