@@ -12,7 +12,7 @@ from workbench.models import Inertial, Model, Placement, rotors
 
 from .base import Effect, Search, SignalStage, Words
 from .chain import Build
-from .corrected import OfBody, added
+from .corrected import OfBody, added, down_to
 from .links import Link, in_proportion, link_at, link_of, own_inertia, reshape, turning
 from .motion import Motion
 from .parameter import INF, Chart, Parameter, Parameters, Place, Values
@@ -29,14 +29,9 @@ def _own(model: Model, place: Placement) -> float:
     return own_inertia(link.inertial, link) + added("link_inertia_error", "inertia", model, place)
 
 
-def _within(model: Model, place: Placement) -> tuple[float, float]:
-    """Return the bounds: a twentieth of the model's value stays.
-
-    What is missing of a link that no other axis turns is the rotor's, which its file does not state.
-    """
-    taken = -added("link_inertia_error", "inertia", model, place)
-    most = INF if link_at(model, place).carried else max(taken, 0.0)
-    return -(1.0 - _LEAST) * _own(model, place), most
+def _most_less(model: Model, place: Placement) -> float:
+    """Return the largest decrease: a twentieth of the model's value stays."""
+    return (1.0 - _LEAST) * _own(model, place)
 
 
 _INERTIA = Parameter(
@@ -44,7 +39,7 @@ _INERTIA = Parameter(
     "kg*m^2",
     lower=-INF,
     about="added to what the model has",
-    within=_within,
+    within=down_to(_most_less),
     example=0.004,
 )
 _PROPORTION = Parameter(
@@ -106,20 +101,17 @@ class LinkInertiaError(Effect):
         "without weight",
         reveal="fast chirps of this axis and of the ones before it, one after the other",
         mujoco="native: the body's inertia",
-        needs="a hinge whose link has a mass and is moved by another axis, or whose rotor the file does not "
-        "state (otherwise use reflected_inertia); for a parallelogram, use the linkage's increments",
+        needs="a hinge whose link has a mass; for a parallelogram, use the linkage's increments",
     )
     search = Search(tier=1)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Return True for a hinge whose body has a mass.
 
-        If no other axis turns the body, a wrong inertia is the rotor's, as far as the file states one.
+        If no other axis turns the body, a rotor looks the same, as far as it can be so large or small.
         """
         link = link_of(model, key.axis)
-        if link is None or key.axis is None or link.slides or is_parallelogram(model):
-            return False
-        return link.carried or not rotors(model)[0][model.axes.index(key.axis)] > 0.0
+        return link is not None and not link.slides and not is_parallelogram(model)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus what the inertia needs, per kg m^2."""
