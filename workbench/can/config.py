@@ -9,8 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import read_toml
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, read_toml
 
 from .inputs import ImuTable, StopTable
 from .problems import problems

@@ -14,8 +14,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import check_free, read_toml, write_all
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, check_free, read_toml, write_all
 from workbench.core.unfinished import finish
 from workbench.recordings.tables import read_table
 

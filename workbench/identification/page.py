@@ -12,8 +12,7 @@ from workbench.frf import Frf
 from workbench.models import Model
 from workbench.report.numbers import interval, number, unit_text
 from workbench.report.response import response_panel
-from workbench.report.sheet import Drawing, Section, Sheet
-from workbench.report.sheet_table import SheetTable
+from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
 
 from .fit import Fit
 from .picture import actuator_figure, fit_figure

@@ -13,8 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import AXIS_SIGNALS, InputError
-from workbench.core.files import read_file
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, read_file
 from workbench.core.text import counted
 from workbench.core.unfinished import finish
 from workbench.core.units import KINDS

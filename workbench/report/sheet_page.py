@@ -13,8 +13,7 @@ import numpy as np
 from workbench.core.files import check_free, write_whole
 
 from .numbers import plain
-from .sheet import STYLES, Curve, Drawing, Panel, Row, Section, Sheet
-from .sheet_table import table_parts
+from .sheet import STYLES, Curve, Drawing, Panel, Row, Section, Sheet, table_parts
 from .shell import compress, plotly, reproduce, template
 
 if TYPE_CHECKING:

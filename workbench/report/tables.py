@@ -13,13 +13,13 @@ from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvemen
 from workbench.core.units import torque_unit
 
 from . import wording as w
+from .answer import near_sentence, rest_sentence
 from .json import Truth
 from .ladder import rungs
 from .layout import table as _table
 from .layout import text as _text
 from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity
-from .rest import near_sentence, rest_sentence
 from .sections import sentence
 from .told_apart import disagreement_lines, told_apart
 from .truth import truth_rows

@@ -9,8 +9,7 @@ import numpy as np
 from workbench.core.text import counted
 from workbench.report.numbers import number
 from workbench.report.response import error_row, response_panel, words_of
-from workbench.report.sheet import Drawing, Panel, Section, Sheet
-from workbench.report.sheet_table import SheetTable
+from workbench.report.sheet import Drawing, Panel, Section, Sheet, SheetTable
 from workbench.report.wording import capital
 
 from .picture import frf_figure
