@@ -215,8 +215,8 @@ def _shares(title: str, shares: Iterable[Share]) -> list[RenderableType]:
     return [Text(), Text(title, style="bold"), *([Text(_OVERLAP)] if len(rows) > 1 else []), table]
 
 
-def _listed(keys: Iterable[EffectKey], word: str = "or") -> str:
-    return w.any_of([w.effect_phrase(k) for k in keys], word)
+def _listed(keys: Iterable[EffectKey]) -> str:
+    return w.any_of([w.effect_phrase(k) for k in keys])
 
 
 def _grouped(keys: Iterable[EffectKey]) -> str:
