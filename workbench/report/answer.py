@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from workbench.core import Diagnosis, Finding, Improvement
+from workbench.core import Diagnosis, Estimate, Finding, Improvement
 
 from .numbers import interval, number, percent, plain
 from .wording import (
@@ -157,14 +157,18 @@ def _count(n: int) -> str:
     return words[n] if n < len(words) else str(n)
 
 
+def in_words(parameters: Mapping[str, Estimate]) -> list[str]:
+    """Return each parameter's name with its value and 95 % interval: ``"viscosity 0.254 ± 0.003 N m s"``."""
+    return [f"{parameter_name(name)} {interval(value)}" for name, value in parameters.items()]
+
+
 def near_sentence(near: Sequence[Finding]) -> str:
     """Return effects that lower the error but are not certain enough to be named; empty if there are none."""
     if not near:
         return ""
     told = []
     for f in near:
-        values = ", ".join(f"{parameter_name(n)} {interval(e)}" for n, e in f.parameters.items())
-        told.append(f"{effect_phrase(f.key)} ({values})")
+        told.append(f"{effect_phrase(f.key)} ({', '.join(in_words(f.parameters))})")
     verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
     return (
         f"{capital(any_of(told, 'and'))} {verb} not certain: a free function, of the same quantity or "
