@@ -138,7 +138,7 @@ def _settle(
     if unsure and not follows:
         options = _options(kind, units, unsure, linear)
         text = f"What is the unit of {kind}: {' or '.join(options)} ({because})?"
-        best = units[0] if len(set(units)) == 1 else ",".join(units)
+        best = _one(units)
         draft.questions.append(Question(f"unit.{kind}", text, options, best, f"--unit {kind}={best}"))
     return units
 
@@ -164,7 +164,7 @@ def _options(
     for choice in product(*(_CHOICES[kind][m] for m in moves)):
         by = dict(zip(moves, choice, strict=True))
         each = [by[linear[i]] if i in unsure else unit for i, unit in enumerate(units)]
-        out.append(each[0] if len(set(each)) == 1 else ",".join(each))
+        out.append(_one(each))
     return tuple(out)
 
 

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import mujoco
 
-from workbench.core import InputError
-from workbench.core.files import check_free, write_whole
+from workbench.core.files import check_free, read_file, write_whole
 
 _DIGITS = 15  # 0.1 is written as 0.1, and reads back to a relative 1e-15
 
@@ -70,7 +69,7 @@ def write_with_assets(xml: str, path: str | Path, *, force: bool = False) -> tup
     target = Path(path)
     check_free(target, force=force)
     text, copies = _placed(xml, target)
-    contents = {copy: _content(source) for copy, source in copies.items()}
+    contents = {copy: read_file(source) for copy, source in copies.items()}
     for copy, content in contents.items():
         if not copy.exists() or copy.read_bytes() != content:
             check_free(copy, force=force)
@@ -105,11 +104,3 @@ def _with_folders(xml: str, folders: Mapping[str, str]) -> str:
         return bare.replace("<compiler", f"<compiler{new}", 1)
 
     return re.sub(r"<compiler[^>]*>", said, xml, count=1)
-
-
-def _content(file: Path) -> bytes:
-    try:
-        return file.read_bytes()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
