@@ -10,7 +10,7 @@ from workbench.core import SimulationError
 
 from .closed_chain import ClosedChain
 
-_POSTURES, _SEED = 60, 11  # the same every time
+_SEED = 11  # the same postures every time
 _NONE = 1e-9  # largest change of an entry of J that counts as none
 _AROUND = 0.5  # without limits: this far about the start posture [rad or m]
 
@@ -30,16 +30,18 @@ class Transmission:
     constant: bool
 
 
-def constant_transmission(chain: ClosedChain) -> Transmission:
+def constant_transmission(chain: ClosedChain, samples: int = 60) -> Transmission:
     """J at random serial postures within the mechanism's limits (without limits: about its start posture).
 
-    Postures that cannot be reached are left out.
+    Args:
+        chain: the mechanism.
+        samples: number of postures; those that cannot be reached are left out.
 
     Raises:
         SimulationError: not one of the postures can be reached.
     """
     found: list[np.ndarray] = []
-    for joints in sample_joints(chain, _POSTURES):
+    for joints in sample_joints(chain, samples):
         try:
             found.append(chain.jacobian(joints))
         except SimulationError:
