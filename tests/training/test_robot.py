@@ -16,9 +16,8 @@ from workbench.training.floor import IdentifiedLaw
 from workbench.training.jump import jump
 from workbench.training.legs import machine_limbs
 from workbench.training.machine import make_machine
-from workbench.training.payload import loaded
 from workbench.training.plant import begin
-from workbench.training.plants import ClosedChainPlant, TrainedPlant
+from workbench.training.plants import ClosedChainPlant, TrainedPlant, loaded
 from workbench.training.robot import IDEAL, PARTS, Robot
 from workbench.training.rollout import Push, run
 

@@ -66,7 +66,7 @@ def test_a_stretch_that_is_most_of_a_recording_is_no_quicker(live: Live, loop: L
 
 
 def test_no_words_contradict_an_error_above_the_noise() -> None:
-    from workbench.ui.where import where_words
+    from workbench.ui.summary import where_words
 
     above = replace(build.comparison(0.0), where=())
     assert "no larger than the noise" not in where_words(above) and "above the noise" in where_words(above)

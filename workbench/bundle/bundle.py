@@ -15,8 +15,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from workbench.core import DriveMap, InputError
-from workbench.core.files import write_whole
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, write_whole
 
 from .archive import read_parts
 from .manifest import ManifestTable

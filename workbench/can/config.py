@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import read_toml
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, read_toml
+from workbench.core.text import did_you_mean
 
 from .inputs import ImuTable, StopTable
 from .problems import problems
@@ -63,8 +62,7 @@ def _explain(error: ValidationError, path: Path, table: dict[str, Any]) -> Input
         }  # fmt: skip
         inside = [part for part in loc[:-1] if part in tables]
         known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)
-        close = get_close_matches(str(loc[-1]), known, n=1, cutoff=0.5)
-        remedy = f"did you mean '{close[0]}'?" if close else f"known keys: {', '.join(known)}"
+        remedy = did_you_mean(str(loc[-1]), known) or f"known keys: {', '.join(known)}"
         return InputError("unknown key", file=path, column=key, remedy=remedy)
     if first["type"] == "missing":
         return InputError("is missing", file=path, column=key, remedy="add it")

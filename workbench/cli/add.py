@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from workbench.core import FORMAT, InputError, apart
-from workbench.core.formats import check_format
+from workbench.core.files import check_format
 
 from . import complete, options
 from .common import check_model_output, check_outputs, echo, files_of, write_result

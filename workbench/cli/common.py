@@ -30,21 +30,20 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
     """
     from workbench.recordings import load_recordings
 
-    paths = without_models(paths)
-    _each_once(paths)
-    return load_recordings(paths)
+    return load_recordings(_without_models(paths))
 
 
-def without_models(paths: Sequence[str]) -> list[str]:
-    """Return files without models (as ``*.toml`` finds them); a note on standard error names these."""
+def _without_models(paths: Sequence[str]) -> list[str]:
+    """Return files, each given once, without models (as ``*.toml`` finds them); a note names these."""
     from workbench.recordings import is_model_file
 
     models = [p for p in paths if is_model_file(Path(p))]
-    if not models or len(models) == len(paths):
-        return list(paths)
-    what = "is a model, not a recording" if len(models) == 1 else "are models, not recordings"
-    echo(f"note: {', '.join(models)} {what}: left out", err=True)
-    return [p for p in paths if p not in models]
+    if models and len(models) < len(paths):
+        what = "is a model, not a recording" if len(models) == 1 else "are models, not recordings"
+        echo(f"note: {', '.join(models)} {what}: left out", err=True)
+        paths = [p for p in paths if p not in models]
+    _each_once(paths)
+    return list(paths)
 
 
 def _each_once(paths: Sequence[str]) -> None:
@@ -62,9 +61,7 @@ def open_sources(paths: Sequence[str], *, whole: bool = False) -> list[Recording
     """
     from workbench.recordings import open_recordings
 
-    paths = without_models(paths)
-    _each_once(paths)
-    return open_recordings(paths, whole=whole)
+    return open_recordings(_without_models(paths), whole=whole)
 
 
 def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole: bool) -> Excerpts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer import Argument, Option
@@ -14,6 +14,9 @@ from .common import check_outputs, files_of
 from .deliver import Outputs, deliver
 from .hidden import HideOption, SetOption
 from .progress import progress, staged
+
+if TYPE_CHECKING:
+    from workbench.core import Improvement
 
 
 def demo(
@@ -60,7 +63,6 @@ def demo(
     from workbench.recordings import load_recordings
     from workbench.rigs import VirtualLeg, demo_experiments, draw_hidden
 
-    from .demo_figures import draw_figures
     from .record_own import is_model
 
     own = is_model(output)
@@ -105,6 +107,24 @@ def demo(
     page = str(folder / "report.html")
     files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
     deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
-    draw_figures(result, folder, force=force)
+    _draw_figures(result, folder, force=force)
     made = "recordings, figures and improved.toml lie" if result.steps else "recordings and figures lie"
     say(f"\nLook at {page}; {made} beside it.")
+
+
+def _draw_figures(result: Improvement, folder: Path, *, force: bool) -> None:
+    """Error falling, residuals and spectra before and after, and curves over curves, as PNG."""
+    from workbench import report
+
+    if result.before is None:
+        return
+    report.save_figure(report.ladder_figure(result), folder / "error_falling.png", force=force)
+    after = result.after if result.steps else None
+    worst = result.steps[0].key.axis if result.steps else None
+    axis = worst or result.before.axes[0]
+    for name, draw in (
+        ("overlay", report.overlay_figure),
+        ("residual", report.residual_figure),
+        ("spectrum", report.spectrum_figure),
+    ):
+        report.save_figure(draw(result.before, axis, after=after), folder / f"{name}_{axis}.png", force=force)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from workbench.core import EffectKey, InputError
+from workbench.core import InputError
 
 from . import complete
 from .values import parse_place, parse_values
@@ -38,7 +38,14 @@ def hidden_in(hide: str | None, values: Sequence[str] | None) -> list[HiddenIn]:
     """
     from workbench.rigs import HiddenIn
 
-    return [HiddenIn(k.effect, k.axis, k.location, p) for k, p in _asked(hide, values)]
+    if values and not hide:
+        raise InputError(
+            "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
+        )
+    if not hide:
+        return []
+    key, given = parse_place(hide), parse_values(list(values or []))
+    return [HiddenIn(key.effect, key.axis, key.location, {name: v.value for name, v in given.items()})]
 
 
 def hidden_effects(hide: str | None, values: Sequence[str] | None) -> list[HiddenEffect]:
@@ -49,15 +56,4 @@ def hidden_effects(hide: str | None, values: Sequence[str] | None) -> list[Hidde
     """
     from workbench.rigs import HiddenEffect
 
-    return [HiddenEffect(k.effect, k.axis, k.location, p) for k, p in _asked(hide, values)]
-
-
-def _asked(hide: str | None, values: Sequence[str] | None) -> list[tuple[EffectKey, dict[str, float]]]:
-    """What is to be hidden, and its parameters, if anything is."""
-    if values and not hide:
-        raise InputError(
-            "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
-        )
-    if not hide:
-        return []
-    return [(parse_place(hide), {k: v.value for k, v in parse_values(list(values or [])).items()})]
+    return [HiddenEffect(**vars(each)) for each in hidden_in(hide, values)]

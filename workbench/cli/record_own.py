@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,16 +24,9 @@ def is_model(name: str) -> bool:
     Names are those of shipped models and of robots of other packages; a rig's own name is for whoever asks.
     """
     from workbench.models import is_named_model
+    from workbench.recordings import is_model_file
 
-    path = Path(name)
-    if path.suffix.lower() in (".xml", ".urdf") or is_named_model(name):
-        return True
-    if path.suffix.lower() != ".toml" or not path.is_file():
-        return False
-    try:
-        return "serial" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError):
-        return False  # said by whoever reads it as what it should be
+    return is_named_model(name) or is_model_file(Path(name))
 
 
 def record_own(

@@ -10,6 +10,7 @@ from .diagnosis import (
     Estimate,
     Finding,
     Identifiability,
+    Shape,
     Stopped,
     Tried,
     Verdict,
@@ -20,7 +21,6 @@ from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
 from .results import FORMAT, HOPELESS, Comparison, InverseDynamics, Outlier, RecordingError, Share
-from .shape import Shape
 from .verification import Check, Verification
 
 __all__ = [

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
+from typing import IO, Protocol, cast
 
 from .errors import InputError
 
@@ -75,6 +76,11 @@ class Readable(Protocol):
         ...
 
 
+def opened(path: Path) -> IO[bytes]:
+    """Return a file open for reading, unpacked as it is read if its name ends in ``.gz``."""
+    return cast(IO[bytes], gzip.open(path, "rb")) if path.name.lower().endswith(".gz") else path.open("rb")
+
+
 def read_bounded(stream: Readable, path: Path) -> bytes:
     """Return a whole stream, unpacked.
 
@@ -100,9 +106,7 @@ def inside(folder: Path, path: Path) -> Path:
     try:
         real = path.resolve(strict=True)
     except (OSError, RuntimeError) as error:  # a link that leads to itself
-        raise InputError(
-            "leads nowhere", file=path, remedy="put the file itself there, not a link"
-        ) from error
+        raise InputError("leads nowhere", file=path, remedy=remedy) from error
     if not real.is_relative_to(folder.resolve()):
         raise InputError("is outside its folder", file=path, remedy=remedy)
     return real

@@ -57,16 +57,12 @@ class DriveMap:
         value, slope = self._terms(inside, xp)
         return value + (slope @ (joints - inside)[..., None])[..., 0]
 
-    def joints(self, drives: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+    def joints(self, drives: np.ndarray) -> np.ndarray:
         """Return joint positions (..., n) at drive positions (..., n), by Newton's method.
 
         Where the drives are where no joint can bring them, the best that the steps came to.
-
-        Args:
-            drives: positions.
-            near: where to begin (..., n); the middle of the box if not given.
         """
-        q = np.broadcast_to(self.middle if near is None else near, np.shape(drives)).astype(float)
+        q = np.broadcast_to(self.middle, np.shape(drives)).astype(float)
         for _ in range(NEWTON):
             inside = self._inside(q, np)
             value, slope = self._terms(inside, np)

@@ -142,3 +142,24 @@ def check_free(path: str | Path, *, force: bool) -> None:
         raise InputError("is a folder, not a file", file=path, remedy="give a file name")
     if Path(path).exists() and not force:
         raise InputError("the file exists", file=path, remedy="choose another name or add --force")
+
+
+def check_format(content: Any, known: int, file: str | Path) -> None:
+    """Refuse a file of a newer version, before its unknown keys are reported as mistakes.
+
+    A number that is missing or below is left to the file's own grammar: old files keep loading.
+
+    Args:
+        content: the whole file, parsed.
+        known: the newest format that this version reads.
+        file: where it stands.
+
+    Raises:
+        InputError: its ``format`` is above `known`.
+    """
+    found = content.get("format") if isinstance(content, Mapping) else None
+    if isinstance(found, int) and found > known:
+        raise InputError(
+            f"format {found} was written by a newer workbench; this one reads {known}",
+            file=file, column="format", remedy="update workbench",
+        )  # fmt: skip

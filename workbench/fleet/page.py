@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from workbench.core import Estimate
@@ -82,8 +84,7 @@ def _effect(number_: int, e: Shared) -> Section:
     )
 
 
-def _panel(name: str, by_robot: object, mean: float) -> Panel:
-    assert isinstance(by_robot, dict)
+def _panel(name: str, by_robot: Mapping[str, Estimate], mean: float) -> Panel:
     x = np.arange(1.0, len(by_robot) + 1)
     value = np.array([e.value for e in by_robot.values()])
     half = _Z95 * np.array([e.std for e in by_robot.values()])

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.core import FORMAT, InputError
-from workbench.core.files import write_whole
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, write_whole
 from workbench.core.provenance import PACKAGES, digest, versions
 from workbench.models import read_model
 from workbench.recordings import source_files

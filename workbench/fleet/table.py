@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rich.console import Group, RenderableType
 from rich.text import Text
 
@@ -53,6 +55,5 @@ def fleet_table(fleet: Fleet) -> Group:
     return Group(*parts)
 
 
-def _unit(estimates: object) -> str:
-    assert isinstance(estimates, dict)
+def _unit(estimates: Mapping[str, Estimate]) -> str:
     return next((e.unit for e in estimates.values()), "")

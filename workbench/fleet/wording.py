@@ -8,7 +8,8 @@ from typing import Any
 
 from workbench.core import Estimate
 from workbench.core.text import counted
-from workbench.report.numbers import interval, number, plain
+from workbench.report.answer import in_words
+from workbench.report.numbers import number, plain
 from workbench.report.wording import any_of, capital, effect_phrase, parameter_name, times_noise
 
 from .result import Fleet, Shared, key_of
@@ -66,10 +67,8 @@ def findings(robot: Mapping[str, Any]) -> list[str]:
         return [plain(robot["failed"])]
     lines = []
     for f in robot["diagnosis"]["findings"]:
-        values = ", ".join(
-            f"{parameter_name(n)} {interval(Estimate(p['value'], p['std'] or 0.0, p['unit']))}"
-            for n, p in f["parameters"].items()
-        )
+        told = {n: Estimate(p["value"], p["std"] or 0.0, p["unit"]) for n, p in f["parameters"].items()}
+        values = ", ".join(in_words(told))
         what = capital(effect_phrase(key_of(f)))
         lines.append(plain(f"{what}: {values}" if values else what))
     return lines

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv as pacsv
 import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import check_free, read_toml, write_all
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, check_free, read_toml, write_all
 from workbench.core.unfinished import finish
 from workbench.recordings.tables import read_table
+from workbench.recordings.tables.csv_table import csv_bytes
 
 from .excitation import Design, Trial
 
@@ -178,9 +174,5 @@ def _csv(design: Design, experiment: int) -> bytes:
     columns = {"t": np.round(time, 12)}
     for signal, values in signals.items():
         for axis, column in zip(design.axes, values.T, strict=True):
-            columns[f"{_SHORT[signal]}_{axis}"] = np.ascontiguousarray(column)
-    out = io.BytesIO()
-    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
-    pacsv.write_csv(pa.table(columns), out, options)
-    # mtime 0: the same design gives the same bytes
-    return gzip.compress(out.getvalue(), compresslevel=6, mtime=0)
+            columns[f"{_SHORT[signal]}_{axis}"] = column
+    return csv_bytes(columns)

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from workbench.core import Estimate
 from workbench.frf import Frf
 from workbench.models import Model
 from workbench.report.numbers import interval, number, unit_text
-from workbench.report.response import response_panel
-from workbench.report.sheet import Drawing, Section, Sheet
-from workbench.report.sheet_table import SheetTable
+from workbench.report.response import entry_panels, notes_of, posture_of
+from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
 
 from .fit import Fit
 from .picture import actuator_figure, fit_figure
@@ -105,7 +102,7 @@ def _sheet(
             Section("estimates", "Estimates", tables=(table,)),
             Section("judgement", "Is the model enough?", tables=(judged,), remarks=fit.notes),
             *_responses(fit, frfs),
-            *_notes(frfs),
+            *notes_of(frfs),
         ),
         picture=picture,
     )  # fmt: skip
@@ -117,33 +114,12 @@ def _responses(fit: Fit, frfs: Sequence[Frf]) -> list[Section]:
     for k, (frf, model) in enumerate(zip(frfs, fit.responses, strict=True)):
         if k == _DRAWN:
             break
-        half = frf.magnitude_interval()[1] - np.abs(frf.response)
-        panels = tuple(
-            response_panel(
-                f"{frf.outputs[i].axis} over {frf.inputs[j].axis}",
-                f"{frf.outputs[i].unit} / ({frf.inputs[j].unit})",
-                frf.frequency,
-                frf.response[:, i, j],
-                half[:, i, j],
-                frf.std[:, i, j],
-                {"fit": model[:, i, j]},
-                error="residual [%]",
-            )
-            for i, j in np.ndindex(frf.response.shape[1:])
-        )
-        axes = dict.fromkeys(o.axis for o in frf.outputs)
-        unit = "m" if frf.outputs[0].unit in ("m", "m/s") else "rad"
-        where = ", ".join(f"{a} {number(x)} {unit}" for a, x in zip(axes, frf.posture, strict=False))
+        panels = tuple(entry_panels(frf, {"fit": model}, error="residual [%]"))
         caption = (
-            f"From {frf.inputs[0].signal.replace('_', ' ')} to {frf.outputs[0].signal}; about {where}. "
-            "Grey: 95 % of the measured magnitude and phase, and under the residual the measurement's own "
-            f"uncertainty. {len(frf)} lines, {frf.periods} periods."
+            f"From {frf.inputs[0].signal.replace('_', ' ')} to {frf.outputs[0].signal}; about "
+            f"{posture_of(frf)}. Grey: 95 % of the measured magnitude and phase, and under the residual the "
+            f"measurement's own uncertainty. {len(frf)} lines, {frf.periods} periods."
         )
         title = "Response, fit and residual" + (f", posture {k + 1}" if len(frfs) > 1 else "")
         out.append(Section(f"response-{k + 1}", title, drawings=(Drawing(panels, caption),)))
     return out
-
-
-def _notes(frfs: Sequence[Frf]) -> tuple[Section, ...]:
-    notes = tuple(dict.fromkeys(note for frf in frfs for note in frf.notes))
-    return (Section("notes", "Notes", remarks=notes),) if notes else ()

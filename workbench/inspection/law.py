@@ -41,7 +41,7 @@ def ticks(recording: Recording, ratio: int, phase: int, lag: int = 0) -> Ticks:
     s = recording.signals
     k = np.arange(phase, len(recording), ratio)
     k = k[k >= lag]
-    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    valid = recording.valid
     k = k[valid[k] & valid[k - lag]]
     k = k[np.linspace(0, len(k) - 1, min(_MOST, len(k))).astype(int)] if len(k) else k
     none = np.zeros((len(k), len(recording.axes)))

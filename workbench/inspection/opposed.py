@@ -20,7 +20,7 @@ def remark_on_references(recording: Recording) -> list[Remark]:
     reference = recording.get("position_reference")
     if reference is None:
         return []
-    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    valid = recording.valid
     remarks = []
     for axis, q, asked in zip(recording.axes, recording.position[valid].T, reference[valid].T, strict=True):
         size = float(np.sqrt(np.mean(asked**2)))

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from workbench.core import InputError, Mechanism, SimulationError
-from workbench.core.bound_joints import BoundJoints
+from workbench.core.coupling import BoundJoints
 
 from .cut import Cut, cut_open, moving_part, no_foot
 from .ends import Ends, ends_of

@@ -9,8 +9,7 @@ from .mjcf import check_mjcf
 from .mjcf_text import MjcfText, differ
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
-from .packaged import packaged_robot
-from .paths import find_model, is_named_model
+from .paths import find_model, is_named_model, packaged_robot
 from .read import read_model
 from .schema import MOST
 from .serial import (

@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from workbench.core import InputError
-from workbench.core.formats import check_format
+from workbench.core.files import check_format
 from workbench.core.unfinished import finish
 
 from .from_table import from_table

@@ -44,9 +44,9 @@ def moves(values: np.ndarray) -> bool:
 
 
 def filled(values: np.ndarray) -> np.ndarray:
-    """Return the column with empty cells interpolated."""
+    """Return the column with empty cells interpolated; zeros where all are empty."""
     good = np.isfinite(values)
     if good.all():
         return values
     at = np.arange(len(values))
-    return np.interp(at, at[good], values[good])
+    return np.interp(at, at[good], values[good]) if good.any() else np.zeros(len(values))

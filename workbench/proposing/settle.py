@@ -15,12 +15,10 @@ from .draft import FALLBACK_RATE, Draft
 from .likely import UnitTold, motion_units, torque_units
 from .match import Relation
 from .normalised import ask_range
-from .proposal import ASK, Question
+from .proposal import ASK, UNKNOWN, Question
 from .scales import expected
 from .stated import header_unit, signals_of, stated_units
-from .tens import ask_tens
-from .torque_constant import ask_constant
-from .units import COUNTS_A_SECOND
+from .units import COUNTS_A_SECOND, pint_unit
 
 _CHOICES = {
     "time": (("s", "ms", "us", "ns"), ()),
@@ -140,7 +138,7 @@ def _settle(
     if unsure and not follows:
         options = _options(kind, units, unsure, linear)
         text = f"What is the unit of {kind}: {' or '.join(options)} ({because})?"
-        best = units[0] if len(set(units)) == 1 else ",".join(units)
+        best = _one(units)
         draft.questions.append(Question(f"unit.{kind}", text, options, best, f"--unit {kind}={best}"))
     return units
 
@@ -166,7 +164,7 @@ def _options(
     for choice in product(*(_CHOICES[kind][m] for m in moves)):
         by = dict(zip(moves, choice, strict=True))
         each = [by[linear[i]] if i in unsure else unit for i, unit in enumerate(units)]
-        out.append(each[0] if len(set(each)) == 1 else ",".join(each))
+        out.append(_one(each))
     return tuple(out)
 
 
@@ -186,3 +184,57 @@ def _and(first: str, second: str) -> str:
 
 def _shown(units: Sequence[str]) -> str:
     return units[0] if len(set(units)) == 1 else ", ".join(units)
+
+
+def ask_constant(draft: Draft, columns: dict[str, list[str]]) -> None:
+    """Ask for the torque constants, which no log has, if torque columns are currents by names or units."""
+    if "torque" in draft.answers.units:
+        return
+    named = {name for signal in signals_of("torque", columns) for name in columns[signal]}
+    amperes = [n for n in named if draft.roles[n].kind == "current" or _is_current(draft.roles[n].unit)]
+    if not amperes:
+        return
+    n = len(next(iter(columns.values())))
+    example = ",".join(["K*N*m"] * n)
+    text = (
+        f"{', '.join(sorted(amperes))} are currents, by their names. What is the torque constant of "
+        "each drive, at the gear's output [N m per A]?"
+    )
+    draft.unsure("unit of torque", 0.0, UNKNOWN)
+    draft.questions = [q for q in draft.questions if q.key != "unit.torque"]
+    draft.questions.append(Question("constant", text, (), "", f"--unit torque={example}"))
+
+
+def _is_current(unit: str) -> bool:
+    return bool(unit) and bool(pint_unit(unit, "current"))
+
+
+def ask_tens(draft: Draft, units: Mapping[str, Sequence[str]], *, timed: bool) -> None:
+    """Ask if a velocity is ten, a hundred ... times what it should be.
+
+    Velocity, position or clock is wrong then, and only other information shows which.
+
+    Args:
+        draft: takes the question.
+        units: kind -> unit of each axis.
+        timed: whether there is a column of time.
+    """
+    if {"velocity", "position", "unit"} & draft.answers.units.keys() or "time" in draft.answers.units:
+        return
+    off = [i for i, unit in enumerate(units["velocity"]) if unit[0].isdigit() and not unit.endswith("turn/s")]
+    if not off:
+        return
+    size = float(units["velocity"][off[0]].partition("*")[0])
+    position = [f"{1 / size:g}*{u}" if i in off else u for i, u in enumerate(units["position"])]
+    ways = [f"velocity={_one(units['velocity'])}", f"position={_one(position)}"]
+    if timed and len(off) == len(units["velocity"]):
+        ways.append(f"time={size:g}*{units['time'][0]}")
+    text = (
+        f"Velocity is {1 / size:g} times the derivative of position. Which of them is off by that factor: "
+        f"{' or '.join(ways)}?"
+    )
+    draft.questions.append(Question("unit", text, tuple(ways), ways[0], f"--unit {ways[0]}"))
+
+
+def _one(units: Sequence[str]) -> str:
+    return units[0] if len(set(units)) == 1 else ",".join(units)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .assignment import filled
 from .clean import Clean
 from .draft import Draft
 from .match import Relation, derivative
@@ -64,8 +65,8 @@ def _reference_agrees(rows: Clean, columns: dict[str, list[str]], bad: list[int]
         return False
     alike = [
         np.corrcoef(
-            _bridged(rows.columns[columns["position"][i]]),
-            _bridged(rows.columns[columns["position_reference"][i]]),
+            filled(rows.columns[columns["position"][i]]),
+            filled(rows.columns[columns["position_reference"][i]]),
         )[0, 1]
         for i in bad
     ]
@@ -74,13 +75,5 @@ def _reference_agrees(rows: Clean, columns: dict[str, list[str]], bad: list[int]
 
 def _pair(rows: Clean, columns: dict[str, list[str]], i: int, j: int | None = None) -> tuple:
     """Position of axis i and velocity of axis j, empty cells bridged."""
-    q = _bridged(rows.columns[columns["position"][i]])
-    return q, _bridged(rows.columns[columns["velocity"][i if j is None else j]])
-
-
-def _bridged(values: np.ndarray) -> np.ndarray:
-    good = np.isfinite(values)
-    if good.all():
-        return values
-    at = np.arange(len(values))
-    return np.interp(at, at[good], values[good]) if good.any() else np.zeros(len(values))
+    q = filled(rows.columns[columns["position"][i]])
+    return q, filled(rows.columns[columns["velocity"][i if j is None else j]])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,14 +10,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv as pacsv
 import tomli_w
 
 from workbench.core import InputError, Recording
 from workbench.core.files import write_all
 from workbench.inspection.inspect import FEW
 from workbench.recordings import load_recording
+from workbench.recordings.tables.csv_table import csv_bytes
 
 from .law import find_law
 from .proposal import UNKNOWN, Answers, Assumption, Proposal
@@ -37,7 +34,7 @@ def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Propos
         data = table.file.resolve()
         if proposal.data is not None:
             data = Path(folder) / "proposal.csv"
-            data.write_bytes(_csv(proposal.data))
+            data.write_bytes(csv_bytes(proposal.data, pack=False))
         write = lambda p: toml.write_bytes(_toml(p.description, str(data)))  # noqa: E731
         write(proposal)
         try:
@@ -83,10 +80,8 @@ def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False
         return write_all({output: _toml(proposal.description, source, output.stem)}, force=force)
     if target.resolve() == table.file.resolve():
         raise InputError("would overwrite the source", file=target, remedy="give another name with -o")
-    packed = gzip.compress(_csv(proposal.data), compresslevel=6, mtime=0)
-    return write_all(
-        {output: _toml(proposal.description, target.name, output.stem), target: packed}, force=force
-    )
+    toml = _toml(proposal.description, target.name, output.stem)
+    return write_all({output: toml, target: csv_bytes(proposal.data)}, force=force)
 
 
 def _short(recording: Recording) -> str:
@@ -149,11 +144,3 @@ def _toml(description: Mapping[str, Any], table: str, name: str | None = None) -
     head = {"format": description["format"], **({"name": name} if name else {}), "table": table}
     rest = {k: v for k, v in description.items() if k != "format" and v != ""}
     return tomli_w.dumps({**head, **rest}).encode()
-
-
-def _csv(data: Mapping[str, np.ndarray]) -> bytes:
-    out = io.BytesIO()
-    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
-    columns = {name: np.ascontiguousarray(values) for name, values in data.items()}
-    pacsv.write_csv(pa.table(columns), out, options)
-    return out.getvalue()

@@ -1,10 +1,9 @@
 """Recordings: read, checked and written; one TOML file and one table each."""
 
 from .description import is_model_file
-from .files import source_files
 from .log import Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels
-from .read import describe, load_recording, load_recordings
+from .read import describe, load_recording, load_recordings, source_files
 from .white_noise import white_noise
 from .windows import Excerpts, excerpts
 from .write import save_recording

@@ -6,16 +6,14 @@ import re
 import shlex
 import tomllib
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import AXIS_SIGNALS, InputError
-from workbench.core.files import read_file
-from workbench.core.formats import check_format
-from workbench.core.text import counted
+from workbench.core.files import check_format, read_file
+from workbench.core.text import counted, did_you_mean
 from workbench.core.unfinished import finish
 from workbench.core.units import KINDS
 
@@ -238,6 +236,5 @@ def _explain(error: ValidationError, path: Path) -> InputError:
 
 
 def _unknown_key(key: str, name: str, known: tuple[str, ...], path: Path) -> InputError:
-    close = get_close_matches(name, known, n=1, cutoff=0.5)
-    remedy = f"did you mean '{close[0]}'?" if close else f"known keys: {', '.join(known)}"
+    remedy = did_you_mean(name, known) or f"known keys: {', '.join(known)}"
     return InputError(f"unknown key '{name}'", file=path, column=key, remedy=remedy)

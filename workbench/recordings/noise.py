@@ -45,7 +45,7 @@ def noise_levels(recording: Recording) -> NoiseLevels:
     strike, and the smallest of several bandwidths is taken, because motion only ever adds.
     """
     n = len(recording.axes)
-    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    valid = recording.valid
     velocity, torque = np.full(n, np.nan), np.full(n, np.nan)
     measured_velocity = None if "velocity" in recording.derived else recording.get("velocity")
     measured_torque = recording.get("torque_measured")
@@ -73,7 +73,7 @@ def noise_levels(recording: Recording) -> NoiseLevels:
 def position_levels(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Resolution of the encoder and deviation of position noise alone, (n,) each, as in `NoiseLevels`."""
     n = len(recording.axes)
-    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    valid = recording.valid
     moves = np.ptp(recording.position[valid], axis=0) > 0
     steps = [_resolution(recording, "position", i) if moves[i] else np.nan for i in range(n)]
     resolution = np.array(steps)

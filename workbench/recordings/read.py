@@ -20,7 +20,8 @@ from .jitter import settle_jitter
 from .lattice import lattice_step
 from .resample import loop_keeps_time, measured_on_clock, onto_clock
 from .stated_loop import stated_loop
-from .tables import read_table
+from .tables import READERS, read_table
+from .tables.can_table import dbc_of, read_can
 from .velocity import derive_velocity
 from .wrap import unwrap
 
@@ -218,3 +219,16 @@ def _clock_notes(clock: Clock, valid: np.ndarray) -> tuple[str, ...]:
     if masked:
         notes += (f"{masked} of {len(valid)} rows are masked and were filled by interpolation.",)
     return notes
+
+
+def source_files(path: str | Path) -> list[Path]:
+    """Return a recording's TOML file, its table, and the DBC file if the table is a log of a bus.
+
+    Raises:
+        InputError: the TOML file cannot be read.
+    """
+    file = Path(path)
+    table = file.parent / read_description(file).table
+    log = READERS.get(table.suffix.lower()) is read_can
+    dbc = dbc_of(table) if log else None
+    return [file, table, *([dbc] if dbc else [])]

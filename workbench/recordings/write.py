@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv as pacsv
 import tomli_w
 
 from workbench.core import AXIS_SIGNALS, Controller, InputError, Recording
 from workbench.core.files import check_free, write_all
+from workbench.core.units import KINDS
+
+from .tables.csv_table import csv_bytes
 
 #: Column prefix of each signal.
 _SHORT = {
@@ -31,8 +30,6 @@ _SHORT = {
     "voltage": "u",
     "temperature": "temp",
 }
-_LINEAR = {"position": "m", "velocity": "m/s", "torque": "N"}
-_ROTARY = {"position": "rad", "velocity": "rad/s", "torque": "N*m"}
 
 
 def save_recording(
@@ -61,15 +58,14 @@ def save_recording(
     for path in (toml_path, table_path):
         check_free(path, force=force)
 
-    columns, table = _table(recording)
+    columns, data = _table(recording)
     text = tomli_w.dumps(_description(recording, table_path.name, columns)).encode()
-    # mtime 0: the same recording gives the same bytes
-    content = gzip.compress(table, compresslevel=6, mtime=0) if compress else table
-    write_all({**(beside or {}), table_path: content, toml_path: text}, force=force)
+    table = csv_bytes(data, pack=compress)
+    write_all({**(beside or {}), table_path: table, toml_path: text}, force=force)
 
 
-def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:
-    """Return the ``[columns]`` table, and the bytes of the CSV."""
+def _table(recording: Recording) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Return the ``[columns]`` table of the TOML, and the columns."""
     columns: dict[str, Any] = {"time": "t"}
     data = {"t": np.round(recording.time, 12)}
     for signal in AXIS_SIGNALS:
@@ -82,13 +78,10 @@ def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:
         names = [f"{signal}_{i}" for i in range(values.shape[1])]
         columns[signal] = names
         data |= dict(zip(names, values.T, strict=True))
-    if recording.valid is not None and not recording.valid.all():
+    if not recording.valid.all():
         columns["valid"] = "valid"
         data["valid"] = recording.valid.astype(int)
-    out = io.BytesIO()
-    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
-    pacsv.write_csv(pa.table({k: np.ascontiguousarray(v) for k, v in data.items()}), out, options)
-    return columns, out.getvalue()
+    return columns, data
 
 
 def _description(recording: Recording, table: str, columns: dict[str, Any]) -> dict[str, Any]:
@@ -98,7 +91,8 @@ def _description(recording: Recording, table: str, columns: dict[str, Any]) -> d
     controller = {"kind": c.kind, "coordinates": c.coordinates, **gains}
     controller |= {"period_s": c.period_s, "velocity": c.velocity}
     units = {
-        kind: [(_LINEAR if unit == "m" else _ROTARY)[kind] for unit in recording.units] for kind in _LINEAR
+        kind: [KINDS[kind][unit == "m"] for unit in recording.units]
+        for kind in ("position", "velocity", "torque")
     }
     return {
         "format": 1,

@@ -1,10 +1,10 @@
-"""The sentence that answers: wrong numbers of a model, missing effects, or what was improved."""
+"""The sentences that answer: wrong numbers of a model, missing effects, what was improved, and what stays."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from workbench.core import Diagnosis, Finding, Improvement
+from workbench.core import Diagnosis, Estimate, Finding, Improvement
 
 from .numbers import interval, number, percent, plain
 from .wording import (
@@ -15,7 +15,9 @@ from .wording import (
     harmonics,
     one_of_a_kind,
     outlier_phrase,
+    parameter_name,
     place,
+    share_phrase,
     sized_in_list,
     sized_phrase,
     times_noise,
@@ -153,3 +155,36 @@ def _be(findings: Sequence[Finding]) -> str:
 def _count(n: int) -> str:
     words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
     return words[n] if n < len(words) else str(n)
+
+
+def in_words(parameters: Mapping[str, Estimate]) -> list[str]:
+    """Return each parameter's name with its value and 95 % interval: ``"viscosity 0.254 ± 0.003 N m s"``."""
+    return [f"{parameter_name(name)} {interval(value)}" for name, value in parameters.items()]
+
+
+def near_sentence(near: Sequence[Finding]) -> str:
+    """Return effects that lower the error but are not certain enough to be named; empty if there are none."""
+    if not near:
+        return ""
+    told = []
+    for f in near:
+        told.append(f"{effect_phrase(f.key)} ({', '.join(in_words(f.parameters))})")
+    verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
+    return (
+        f"{capital(any_of(told, 'and'))} {verb} not certain: a free function, of the same quantity or "
+        "of another, explains as much or more in its place."
+    )
+
+
+def rest_sentence(result: Improvement) -> str:
+    """Return why the error stays above the noise floor, and where it is; empty if it reaches the floor."""
+    if result.verdict == "consistent":
+        return ""
+    last = result.after if result.steps else result.before
+    most = max(last.where, key=lambda s: s.share, default=None) if last is not None else None
+    if not result.steps or result.nearest:  # the verdict says already that nothing explains it
+        return "" if most is None else f"Of the squared error above the noise, {share_phrase(most)}."
+    where = "" if most is None else f", of which {share_phrase(most)}"
+    if result.diagnosis is not None and result.diagnosis.stopped == "budget":
+        return f"The search ended before it had tried everything for the rest{where}."
+    return f"Nothing that was tried explains the rest{where}."

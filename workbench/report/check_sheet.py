@@ -11,8 +11,7 @@ from workbench.core.picture import Picture
 
 from .numbers import number, unit_text
 from .response import words_of
-from .sheet import Curve, Drawing, Panel, Row, Section, Sheet
-from .sheet_table import SheetTable
+from .sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
 from .style import AFTER, FLOOR
 from .verification import quantity_name, sentence
 

@@ -31,7 +31,6 @@ Truth = Sequence[Mapping[str, Any]]
 
 def comparison_dict(result: Comparison) -> dict[str, Any]:
     """Return the JSON of ``workbench compare``."""
-    inverse = result.inverse_dynamics
     return clean(
         {
             "format": FORMAT,
@@ -42,13 +41,7 @@ def comparison_dict(result: Comparison) -> dict[str, Any]:
             "consistent": bool(result.consistent),
             "noise_error_std": result.noise_error_std,
             "where": share_dicts(result.where),
-            "inverse_dynamics": None
-            if inverse is None
-            else {
-                "relative_error": inverse.relative_error,
-                "axis_relative_error": inverse.axis_relative_error,
-                "filter": inverse.filter,
-            },
+            "inverse_dynamics": result.inverse_dynamics,
             "notes": list(result.notes),
             "outlier": None if result.outlier is None else vars(result.outlier),
         }

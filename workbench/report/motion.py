@@ -13,6 +13,7 @@ import numpy as np
 from workbench.core import InputError
 from workbench.core.files import check_free
 
+from .numbers import rounded
 from .shell import reproduce, template
 
 _POINTS = 600  # of a curve
@@ -102,10 +103,6 @@ def _panel(panel: Panel) -> dict[str, Any]:
         "title": panel.title,
         "across": panel.across,
         "moves": panel.moves,
-        "x": _numbers(panel.x[::step]),
-        "curves": [[name, _numbers(np.asarray(values)[::step])] for name, values in panel.curves.items()],
+        "x": rounded(panel.x[::step], 5),
+        "curves": [[name, rounded(np.asarray(values)[::step], 5)] for name, values in panel.curves.items()],
     }
-
-
-def _numbers(values: np.ndarray) -> list[float | None]:
-    return [None if not np.isfinite(v) else float(f"{v:.5g}") for v in values]

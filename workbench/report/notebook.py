@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from workbench.core import Comparison, Diagnosis, Estimate, Improvement, Recording, Recordings
+from workbench.core import Comparison, Diagnosis, Improvement, Recording, Recordings
 from workbench.core.palette import LINES
 from workbench.core.picture import Picture
 from workbench.core.shown import Row, Summary
 from workbench.core.units import torque_unit
 
 from . import wording as w
-from .answer import diagnosis_sentence, improvement_sentence
+from .answer import diagnosis_sentence, improvement_sentence, in_words
 from .figures import ladder_figure, overlay_figure
-from .numbers import interval, number, percent, plain, quantity
+from .numbers import number, percent, plain, quantity
 from .pack import worst_view
-from .residuals import min_max, worst_window
+from .residuals import SIGNALS, min_max, worst_window
 from .style import house_style
-
-_TRACES = (("position", "position"), ("torque_measured", "torque"))
 
 
 @singledispatch
@@ -61,7 +59,7 @@ def _(value: Diagnosis) -> Summary:
     rows = [
         (
             w.capital(w.effect_phrase(f.key)),
-            _parameters(f.parameters),
+            "; ".join(in_words(f.parameters)),
             percent(f.probability),
             number(f.error_after),
             "; ".join(w.effect_phrase(k) for k in f.indistinguishable_from) or "–",
@@ -77,7 +75,10 @@ def _(value: Diagnosis) -> Summary:
 
 @summary.register
 def _(value: Improvement) -> Summary:
-    rows = [(f"+ {w.effect_phrase(s.key)}", _parameters(s.parameters), number(s.error)) for s in value.kept]
+    rows = [
+        (f"+ {w.effect_phrase(s.key)}", "; ".join(in_words(s.parameters)), number(s.error))
+        for s in value.kept
+    ]
     told = _error(value.error_after, value.noise_error)
     return _plain(improvement_sentence(value), told, ("effect", "parameters (95 %)", "error with it"), rows)
 
@@ -131,7 +132,7 @@ def _(value: Recordings, *, recording: int = 0) -> Figure:
 @as_figure.register
 def _(value: Recording) -> Figure:
     """Position and torque of every axis against time."""
-    names = [(n, label) for n, label in _TRACES if value.get(n) is not None]
+    names = [(n, label) for n, label in SIGNALS if value.get(n) is not None]
     with house_style():
         figure = Picture(figsize=(7.2, 1.7 * len(names) * len(value.axes) + 0.4), layout="constrained")
         axes = figure.subplots(len(names) * len(value.axes), 1, sharex=True, squeeze=False)[:, 0]
@@ -160,10 +161,6 @@ def _plain(title: str, told: str, head: Row, rows: Iterable[Row]) -> Summary:
 
 def _error(error: float, floor: float) -> str:
     return f"error {number(error)}, noise floor {number(floor)}"
-
-
-def _parameters(parameters: Mapping[str, Estimate]) -> str:
-    return "; ".join(f"{w.parameter_name(n)} {interval(e)}" for n, e in parameters.items())
 
 
 def _length(recording: Recording) -> str:

@@ -34,6 +34,11 @@ def short(value: float, digits: int = 3) -> str:
     return text.rstrip("0").rstrip(".") if "." in text and "×" not in text else text
 
 
+def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:
+    """Return the values for the data of a page, with that many significant digits; None for NaN."""
+    return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in values]
+
+
 def unbroken(text: str) -> str:
     """Return `text` with non-breaking spaces inside quantities."""
     for old, new in ((" ± ", "\u00a0±\u00a0"), (" %", "\u00a0%"), (" N m", "\u00a0N\u00a0m")):

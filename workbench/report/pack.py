@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.core import Comparison, Diagnosis, RecordingError, Result
 
-from .numbers import handy, plain
+from .numbers import handy, plain, rounded
 from .residuals import (
     AGAINST,
     SIGNALS,
@@ -180,18 +180,14 @@ def _axis(before: Comparison, after: Comparison | None, axis: str) -> dict[str, 
     return out
 
 
-def _bins(run: Comparison, axis: str, name: Signal, against: Any) -> dict[str, list[float]]:
+def _bins(run: Comparison, axis: str, name: Signal, against: Any) -> dict[str, list[float | None]]:
     b = binned(run, axis, name, against)
-    return {k: _short(getattr(b, k)) for k in ("centre", "median", "low", "high")}
+    return {k: rounded(getattr(b, k)) for k in ("centre", "median", "low", "high")}
 
 
-def _density(run: Comparison, axis: str, name: Signal) -> dict[str, list[float]]:
+def _density(run: Comparison, axis: str, name: Signal) -> dict[str, list[float | None]]:
     f, a = spectrum(run, axis, name)
-    return {"f": _short(f), "a": _short(a)}
-
-
-def _short(values: np.ndarray) -> list[float]:
-    return [float(f"{v:.4g}") for v in values]
+    return {"f": rounded(f), "a": rounded(a)}
 
 
 def _finite(value: float) -> float | None:

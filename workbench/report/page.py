@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-
-from matplotlib.figure import Figure
 
 from workbench.core import Comparison, Diagnosis, Improvement, Result
 from workbench.core.files import check_free, write_whole
@@ -20,7 +17,7 @@ from .residuals import worst_window
 from .sections import sections
 from .shapes import shape_figure
 from .shell import plotly, reproduce, template
-from .style import figure_bytes
+from .style import embedded
 
 
 def write_page(
@@ -87,7 +84,7 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
         before, axis, recording=index, after=after, window=worst_window(before.recordings[index], axis)
     )
     return {
-        "picture": _picture(figure),
+        "picture": embedded(figure),
         "axis": plain(axis),
         "recording": plain(before.recordings[index].recording.name),
     }
@@ -95,8 +92,4 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
 
 def _shape_picture(result: Result) -> str:
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
-    return _picture(shape_figure(diagnosis)) if isinstance(diagnosis, Diagnosis) else ""
-
-
-def _picture(figure: Figure) -> str:
-    return base64.b64encode(figure_bytes(figure, "png", dpi=130)).decode("ascii")
+    return embedded(shape_figure(diagnosis)) if isinstance(diagnosis, Diagnosis) else ""

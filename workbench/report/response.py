@@ -1,12 +1,50 @@
-"""One entry of a frequency response as a panel: magnitude, phase and error of measurement and models."""
+"""A frequency response on a page: a panel per entry with magnitude, phase and error, and where it is of."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .sheet import Curve, Panel, Row
+from .numbers import number
+from .sheet import Curve, Panel, Row, Section
+
+if TYPE_CHECKING:
+    from workbench.frf import Frf
+
+
+def entry_panels(
+    frf: Frf, models: Mapping[str, np.ndarray], *, error: str = "relative error [%]"
+) -> list[Panel]:
+    """Return a panel for each entry of a measured response, with models (F, ny, nu) by name."""
+    half = frf.magnitude_interval()[1] - np.abs(frf.response)
+    return [
+        response_panel(
+            f"{frf.outputs[i].axis} over {frf.inputs[j].axis}",
+            f"{frf.outputs[i].unit} / ({frf.inputs[j].unit})",
+            frf.frequency,
+            frf.response[:, i, j],
+            half[:, i, j],
+            frf.std[:, i, j],
+            {name: g[:, i, j] for name, g in models.items()},
+            error=error,
+        )
+        for i, j in np.ndindex(frf.response.shape[1:])
+    ]
+
+
+def posture_of(frf: Frf) -> str:
+    """Return the posture about which it was measured: ``"hip −0.500 rad, knee 1.05 rad"``."""
+    axes = dict.fromkeys(o.axis for o in frf.outputs)
+    unit = "m" if frf.outputs[0].unit in ("m", "m/s") else "rad"
+    return ", ".join(f"{a} {number(x)} {unit}" for a, x in zip(axes, frf.posture, strict=False))
+
+
+def notes_of(frfs: Iterable[Frf]) -> tuple[Section, ...]:
+    """Return what estimation noted, each note once, as the last section of a page; empty without notes."""
+    notes = tuple(dict.fromkeys(note for frf in frfs for note in frf.notes))
+    return (Section("notes", "Notes", remarks=notes),) if notes else ()
 
 
 def response_panel(

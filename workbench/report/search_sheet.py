@@ -15,8 +15,7 @@ from . import wording as w
 from .answer import diagnosis_sentence
 from .ladder import log_axis
 from .numbers import number, percent
-from .sheet import Section, Sheet
-from .sheet_table import SheetTable
+from .sheet import Section, Sheet, SheetTable
 from .style import house_style
 from .trace import trace_table
 

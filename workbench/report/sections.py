@@ -8,21 +8,21 @@ from typing import Any
 from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Result, Share, Step
 
 from . import wording as w
-from .answer import diagnosis_sentence, improvement_sentence
+from .answer import diagnosis_sentence, improvement_sentence, near_sentence
 from .json import Truth
 from .key_numbers import key_numbers
 from .ladder import log_axis, rungs
-from .numbers import interval, number, percent, plain
-from .rest import near_sentence
+from .numbers import interval, number, percent, plain, short
 from .scores import scores
 from .shapes import shape_rows
-from .shares import bar_width, share_groups
-from .sheet_table import table_parts
+from .sheet import table_parts
 from .told_apart import disagreement_lines, expected_rows, told_apart
 from .trace import trace_table
 from .truth import truth_rows
 
 _RANKED = 10
+_QUANTITIES = ("speed", "position", "frequency", "time")
+_ROWS = 6
 
 
 def sections(
@@ -216,3 +216,26 @@ def _left(result: Result, after: Comparison | None) -> tuple[Share, ...]:
     if isinstance(result, Comparison) or result.verdict == "consistent" or after is None:
         return ()
     return result.where if isinstance(result, Diagnosis) else after.where
+
+
+def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
+    """Return shares of the excess in groups: by speed, position, frequency and time."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for s in sorted(shares, key=lambda s: -s.share):
+        low, high = s.range
+        groups.setdefault(s.quantity, []).append(
+            {
+                "axis": plain(s.axis),
+                "signal": plain(s.signal).replace("_measured", ""),
+                "range": f"{short(low)} to {short(high)} {plain(s.unit)}",
+                "share": percent(s.share),
+                "width": bar_width(s.share),
+            }
+        )
+    order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
+    return [{"quantity": plain(q), "rows": groups[q][:_ROWS]} for q in order]
+
+
+def bar_width(share: float) -> str:
+    """Return the width of the bar of a share [%]."""
+    return f"{100 * min(1.0, max(0.0, share if share == share else 0.0)):.1f}"

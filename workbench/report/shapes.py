@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import Diagnosis, Shape
 from workbench.core.palette import COLOURS, LINES
 
-from .numbers import number, percent, plain, short
+from .numbers import number, percent, plain, rounded, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,10 +60,10 @@ def shape_rows(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
     for shape in shapes[:_MOST]:
         along, *others = (plain(q) for q in shape.quantities)
         held = f", {others[0]} at its median" if others else ""
-        curve = {key: _short(getattr(shape, key)) for key in ("grid", "torque", "seen")}
+        curve = {key: rounded(getattr(shape, key)) for key in ("grid", "torque", "seen")}
         edges = {
-            "low": _short(shape.torque - 2.0 * shape.std),
-            "high": _short(shape.torque + 2.0 * shape.std),
+            "low": rounded(shape.torque - 2.0 * shape.std),
+            "high": rounded(shape.torque + 2.0 * shape.std),
         }
         rows.append(
             {
@@ -89,10 +89,6 @@ def _ends(shape: Shape) -> str:
         for word, k in zip(("least", "most"), at, strict=True)
     ]
     return f"{', '.join(ends)}, give or take {number(2.0 * float(np.median(shape.std)), 2)} {unit}"
-
-
-def _short(values: np.ndarray) -> list[float | None]:
-    return [float(f"{v:.4g}") if np.isfinite(v) else None for v in values]
 
 
 def _titled(shape: Shape) -> str:

@@ -6,13 +6,13 @@ A verdict, key numbers, and sections of sentences, tables and drawings; `sheet_p
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from workbench.core.palette import LINES
 
-from .sheet_table import SheetTable
+from .numbers import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,3 +127,27 @@ class Sheet:
     key_numbers: tuple[tuple[str, str, str], ...] = ()
     sections: tuple[Section, ...] = ()
     picture: tuple[Figure, str] | None = field(default=None)
+
+
+@dataclass(frozen=True)
+class SheetTable:
+    """A table.
+
+    Attributes:
+        caption: what it shows.
+        header: of the columns; ``>`` in front puts a column of numbers to the right.
+        rows: cells; the first of a row names it.
+    """
+
+    caption: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def table_parts(table: SheetTable) -> dict[str, Any]:
+    """Return caption, header (text, and whether it is right-aligned) and rows, as plain text."""
+    return {
+        "caption": plain(table.caption),
+        "header": [(plain(h.lstrip(">")), h.startswith(">")) for h in table.header],
+        "rows": [[plain(cell) for cell in row] for row in table.rows],
+    }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,9 +11,8 @@ import numpy as np
 
 from workbench.core.files import check_free, write_whole
 
-from .numbers import plain
-from .sheet import STYLES, Curve, Drawing, Panel, Row, Section, Sheet
-from .sheet_table import table_parts
+from .numbers import plain, rounded
+from .sheet import STYLES, Curve, Drawing, Panel, Row, Section, Sheet, table_parts
 from .shell import compress, plotly, reproduce, template
 
 if TYPE_CHECKING:
@@ -87,11 +85,10 @@ def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
     """A figure as the page embeds it, with what it shows in words."""
     if picture is None:
         return None
-    from .style import figure_bytes  # slow to import, and only pictures need it
+    from .style import embedded  # slow to import, and only pictures need it
 
     figure, words = picture
-    encoded = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
-    return {"picture": encoded, "words": plain(words)}
+    return {"picture": embedded(figure, dpi=110), "words": plain(words)}
 
 
 def _key(drawing: Drawing) -> list[dict[str, Any]]:
@@ -140,7 +137,7 @@ def _curve(curve: Curve, log: bool) -> dict[str, Any]:
     colour, dash, width = STYLES.get(curve.style, STYLES["fit"])
     keep = _kept(curve.x, log)
     values = {"x": curve.x, "v": curve.y, "low": curve.low, "high": curve.high}
-    numbers = {k: _short(np.asarray(v)[keep]) for k, v in values.items() if v is not None}
+    numbers = {k: rounded(np.asarray(v)[keep], 5) for k, v in values.items() if v is not None}
     return {"name": plain(curve.name), "colour": colour, "dash": dash, "width": width, **numbers}
 
 
@@ -151,7 +148,3 @@ def _kept(x: np.ndarray, log: bool) -> np.ndarray:
     ends = (max(float(x[0]), 1e-9), float(x[-1]))
     wanted = np.geomspace(*ends, _POINTS) if log else np.linspace(x[0], x[-1], _POINTS)
     return np.unique(np.clip(np.searchsorted(x, wanted), 0, len(x) - 1))
-
-
-def _short(values: np.ndarray) -> list[float | None]:
-    return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values]

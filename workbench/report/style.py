@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -64,3 +65,8 @@ def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
     with mpl.rc_context(_RC):
         figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
     return buffer.getvalue()
+
+
+def embedded(figure: Figure, dpi: int = 130) -> str:
+    """Return the figure as a page holds it: a PNG in base64."""
+    return base64.b64encode(figure_bytes(figure, "png", dpi)).decode("ascii")

@@ -13,13 +13,13 @@ from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvemen
 from workbench.core.units import torque_unit
 
 from . import wording as w
+from .answer import near_sentence, rest_sentence
 from .json import Truth
 from .ladder import rungs
 from .layout import table as _table
 from .layout import text as _text
 from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity
-from .rest import near_sentence, rest_sentence
 from .sections import sentence
 from .told_apart import disagreement_lines, told_apart
 from .truth import truth_rows
@@ -215,8 +215,8 @@ def _shares(title: str, shares: Iterable[Share]) -> list[RenderableType]:
     return [Text(), Text(title, style="bold"), *([Text(_OVERLAP)] if len(rows) > 1 else []), table]
 
 
-def _listed(keys: Iterable[EffectKey], word: str = "or") -> str:
-    return w.any_of([w.effect_phrase(k) for k in keys], word)
+def _listed(keys: Iterable[EffectKey]) -> str:
+    return w.any_of([w.effect_phrase(k) for k in keys])
 
 
 def _grouped(keys: Iterable[EffectKey]) -> str:

@@ -8,8 +8,9 @@ from typing import Any
 from workbench.core import Disagreement, EffectKey, Identifiability
 
 from . import wording as w
+from .answer import in_words
 from .json_parts import key_dict, key_dicts
-from .numbers import interval, short
+from .numbers import short
 
 
 def told_apart(known: Identifiability | None) -> list[str]:
@@ -71,7 +72,7 @@ def expected_rows(known: Identifiability | None) -> list[dict[str, str]]:
     return [
         {
             "effect": w.capital(w.effect_phrase(key)),
-            "values": "; ".join(f"{w.parameter_name(n)} {interval(e)}" for n, e in parameters.items()),
+            "values": "; ".join(in_words(parameters)),
         }
         for key, parameters in known.expected
     ]

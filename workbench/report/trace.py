@@ -10,7 +10,7 @@ from workbench.core import EffectKey, Tried
 from . import wording as w
 from .json_parts import key_dict, key_dicts
 from .numbers import number, percent
-from .sheet_table import SheetTable
+from .sheet import SheetTable
 
 _HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Explained", "Taken?", "Why")
 

@@ -115,7 +115,7 @@ class Drive:
 
     def _within(self, torque: Pair, speed: Pair) -> Pair:
         """Torque that the speeds allow [N m]."""
-        first, second = map(_clip, torque, speed, self._speed_limit)
+        first, second = map(speed_limited, torque, speed, self._speed_limit)
         return first, second
 
     def _follow(self, target: Pair, duration: float) -> Pair:
@@ -146,7 +146,8 @@ class Heat:
         return max(0.0, 1.0 - self._derating.coefficient * mean)
 
 
-def _clip(torque: float, speed: float, limit: SpeedLimit | None) -> float:
+def speed_limited(torque: float, speed: float, limit: SpeedLimit | None) -> float:
+    """Return what a drive gives of a torque: driving falls to none at the no-load speed, braking does not."""
     if limit is None:
         return torque
     share = speed / limit.no_load

@@ -17,7 +17,6 @@ from . import hidden_drive as drive
 from . import hidden_flexible as flexible
 from . import hidden_motion as motion
 from . import hidden_outside as outside
-from . import hidden_plate as plate
 from . import hidden_sensing as sensing
 from .machine import AXES, Machine
 from .place import Place
@@ -119,5 +118,5 @@ AT_JOINTS = frozenset((
     "parallel_spring", "cubic_spring", "position_dependent_friction", "rough_patch", "one_sided_spring",
 ))  # fmt: skip
 #: Of a leg that stands on a plate.
-ON_A_PLATE = _by_name(plate.contact_compliance, plate.ground_friction)
+ON_A_PLATE = _by_name(flexible.contact_compliance, flexible.ground_friction)
 _ALL: Mapping[str, Installer] = MappingProxyType({**EFFECTS, **ON_A_PLATE, **OUTSIDERS})

@@ -1,11 +1,15 @@
-"""Hidden effects that let motor, link and stand move apart, or that change where the pins are."""
+"""Hidden effects that let motor, link and stand move apart, that move the pins, or that are in the ground."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from workbench.core import InputError
+
 from .coupling import Base, Coupling
-from .machine import Machine, Place, once
+from .machine import Machine, once
+from .place import Place
+from .standing_leg import Plate
 
 
 def joint_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float) -> None:
@@ -33,3 +37,22 @@ def base_compliance(machine: Machine, at: Place, *, stiffness: float, damping: f
 def link_length_error(machine: Machine, at: Place, *, length: float) -> None:
     """The thigh (hip) or the shank (knee) is longer by `length`; `leg_file` says what moves with it."""
     machine.longer[at.index] += length
+
+
+def contact_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float) -> None:
+    """A compliant plate: stiffness times depth and damping times its rate."""
+    plate = _plate(machine)
+    plate.stiffness, plate.damping = stiffness, damping
+
+
+def ground_friction(machine: Machine, at: Place, *, coefficient: float) -> None:
+    """Another friction of the plate."""
+    _plate(machine).friction = coefficient
+
+
+def _plate(machine: Machine) -> Plate:
+    if machine.plate is None:
+        raise InputError(
+            "this leg stands on no ground", remedy="hide it in a leg on a plate: record leg_on_plate"
+        )
+    return machine.plate

@@ -6,8 +6,7 @@ from math import exp, floor
 
 import numpy as np
 
-from .drive import Heat
-from .machine import SpeedLimit
+from .drive import Heat, speed_limited
 from .own_machine import OwnMachine
 
 
@@ -60,13 +59,4 @@ class OwnDrives:
         if not any(self._machine.speed_limit):
             return torque
         pairs = zip(torque, speed, self._machine.speed_limit, strict=True)
-        return np.array([_allowed(float(u), float(w), limit) for u, w, limit in pairs])
-
-
-def _allowed(torque: float, speed: float, limit: SpeedLimit | None) -> float:
-    """Driving torque falls to nothing at the no-load speed; braking torque does not."""
-    if limit is None:
-        return torque
-    driving = limit.stall * max(0.0, 1.0 - abs(speed) / limit.no_load)
-    most = driving if torque * speed > 0.0 else limit.stall
-    return min(max(torque, -most), most)
+        return np.array([speed_limited(float(u), float(w), limit) for u, w, limit in pairs])

@@ -23,11 +23,10 @@ from workbench.effects import (
 from workbench.models import NO_FRICTION, AppliedEffect, Model, Placement, load_mjcf
 
 from .additions import Addition, additions
-from .assets import write_with_assets
 from .drives import MOTOR_STAGES, add_motors, settle_axes
 from .dynamics import compiled_dynamics
 from .merge import merge_into_links
-from .mjcf import anchor_assets, exact_xml
+from .mjcf import anchor_assets, exact_xml, write_with_assets
 from .variants import need_constant_transmission, with_variant
 from .worlds import INTEGRATORS
 

@@ -20,8 +20,7 @@ from workbench.core.closure import Posture as ClosedPosture
 from workbench.core.moving import moving_with
 from workbench.models import Model
 
-from .bound_joints import bound_joints
-from .loop import close_loops, loop_spec, mechanism_of
+from .loop import bound_joints, close_loops, loop_spec, mechanism_of
 
 _SINGULAR = 1e-6  # margin below which a posture counts as singular
 

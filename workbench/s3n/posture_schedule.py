@@ -30,6 +30,7 @@ from .posture import PostureDependent
 from .worlds import INTEGRATORS
 
 Beyond = Literal["raise", "hold"]
+_TOLERANCE = 1e-9  # size of terms that the series leave out, relative; less takes longer at every step
 
 
 @dataclass(frozen=True)
@@ -55,16 +56,15 @@ class Schedule:
     Args:
         model: with a closed chain and its limits.
         beyond: outside the limits ``raise``, or ``hold`` what is at their edge.
-        tolerance: size of the terms that the series leave out, relative; less takes longer at every step.
 
     Raises:
         InputError: see `PostureDependent`.
     """
 
-    def __init__(self, model: Model, beyond: Beyond = "raise", tolerance: float = 1e-9) -> None:
+    def __init__(self, model: Model, beyond: Beyond = "raise") -> None:
         self.model, self.beyond = model, beyond
         self.pairs = tuple(combinations(range(model.size), 2))
-        self.chain = PostureDependent(model, tree=SerialTree(model), tolerance=tolerance)
+        self.chain = PostureDependent(model, tree=SerialTree(model), tolerance=_TOLERANCE)
 
     def at(
         self,

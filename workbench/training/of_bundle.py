@@ -7,18 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from workbench.bundle import PolicyBundle
 from workbench.bundle.bundle import MACHINE
-from workbench.core import InputError
+from workbench.core import Controller, InputError
 from workbench.core.paths import models_folder
 from workbench.importing import described
-from workbench.models import Model, read_model
+from workbench.models import Actuators, Ground, Model, model_text, read_model
 from workbench.models.mjcf import check_mjcf_text
 from workbench.s3n import with_variant
 
-from .as_model import model_files
-from .machine import STEP_S, Machine, make_machine
+from .machine import LEGS, STEP_S, Machine, make_machine
 from .task import Task
 from .task_code import same_code
 from .task_file import TASK_FILE, read_task
@@ -131,3 +131,33 @@ def hardware_of(bundle: PolicyBundle, file: Path | None = None) -> str:
         "Virtual hardware: the reference quadruped in Drake, its trunk and its legs, with the drives of "
         f"{machine.model.name}; not a robot of your own."
     )
+
+
+def model_files(machine: Machine, folder: Path) -> dict[Path, str]:
+    """Return the texts of a model (TOML) and its MJCF, by file in `folder`; empty if drives have joints of
+    their own.
+
+    Args:
+        machine: of kind ``quadruped``; a leg's recordings are held against the leg's own model.
+        folder: where they will lie.
+    """
+    if not machine.floating or len(machine.rotors.places):
+        return {}
+    tree, file = folder / "robot.xml", folder / "robot.toml"
+    n = machine.size
+    model = Model(
+        name="robot",
+        serial=tree.resolve(),
+        axes=machine.joints,
+        joints=machine.joints,
+        transmission=np.array(machine.transmission),
+        # rotors and damping are in the MJCF already, on joints and tendons
+        actuators=Actuators(
+            (0.0,) * n, (0.0,) * n, tuple(map(float, machine.torque_limit)), machine.delay_steps * STEP_S
+        ),
+        controller=Controller(
+            "pd", "joint", kp=tuple(map(float, machine.kp)), kd=tuple(map(float, machine.kd)), period_s=STEP_S
+        ),
+        ground=Ground(tuple(f"{leg}_sphere" for leg in LEGS), surface="ground"),
+    )
+    return {tree: machine.xml, file: model_text(model, file)}

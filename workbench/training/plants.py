@@ -16,7 +16,6 @@ from workbench.rigs.quadruped import quadruped_mechanism
 
 from .floor import Law, laid
 from .machine import LEGS, STEP_S, Machine
-from .payload import loaded
 from .plant import State
 from .quadruped import FOOT_RADIUS
 from .robot import IDEAL, Robot
@@ -26,52 +25,40 @@ _LIMB_PIECES = 12  # of a control step in the simulation of a limb: 0.25 ms, as 
 
 
 class ClosedChainPlant:
-    """Virtual hardware: the reference mechanism with its loops in Drake, on a ground if it walks.
+    """Virtual hardware that walks: the reference quadruped with its loops in Drake, on a ground.
 
     Args:
-        machine: tells which mechanism, and the drives' inertia and damping.
-        robot: what it has beyond `machine`; on the ground all of it, on a stand the effects of its drives.
+        machine: of kind ``quadruped``; tells the drives' inertia and damping.
+        robot: what it has beyond `machine`.
 
     Raises:
-        InputError: an effect that drives cannot hide here.
+        InputError: the machine's legs are not those of the reference, or drives cannot hide an effect here.
     """
 
     def __init__(self, machine: Machine, robot: Robot = IDEAL) -> None:
-        self._machine, self._robot = machine, robot
-        model = machine.model
-        step = STEP_S / _SUBSTEPS
-        if machine.floating:
-            _refuse_other_legs(machine)
-            mechanism, feet = quadruped_mechanism(), tuple(f"{x}_foot" for x in LEGS)
-            ground = Ground(
-                feet,
-                FOOT_RADIUS,
-                robot.friction,
-                robot.ground_stiffness,
-                robot.ground_damping,
-                robot.roughness,
-            )
-        else:
-            if model.closed_chain is None:
-                raise InputError(
-                    "it names no closed chain", file=model.source, column="closed_chain",
-                    remedy="name its mechanism, or evaluate it as the tree that it is",
-                )  # fmt: skip
-            mechanism, ground = model.closed_chain, None
+        _refuse_other_legs(machine)
+        self._robot, step = robot, STEP_S / _SUBSTEPS
+        ground = Ground(
+            tuple(f"{leg}_foot" for leg in LEGS),
+            FOOT_RADIUS,
+            robot.friction,
+            robot.ground_stiffness,
+            robot.ground_damping,
+            robot.roughness,
+        )
         sides = _sides(machine, robot)
         self._drives, self._hides = DriveTrain(sides, step), bool(robot.hidden or robot.drive_friction)
         self._chain = DiscreteChain(
-            mechanism, list(self._drives.rotor), list(self._drives.damping), step, ground
+            quadruped_mechanism(), list(self._drives.rotor), list(self._drives.damping), step, ground
         )
         for mass, at in ((robot.payload, (0.0,) * 3), (robot.trunk_mass, robot.trunk_at)):
             if mass:
                 self._chain.load(mass, at)
-        self._force = np.zeros((len(LEGS) if machine.floating else 0, 3))
+        self._force = np.zeros((len(LEGS), 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
-        """Set it at rest at drive positions (n,)."""
-        height += self._robot.roughness
-        base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]) if self._machine.floating else None
+        """Set it at rest at drive positions (n,), its base level at a height [m]."""
+        base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height + self._robot.roughness])
         self._chain.reset(drives, base=base)
         self._drives.reset(drives)
         self._force = np.zeros_like(self._force)
@@ -83,8 +70,7 @@ class ClosedChainPlant:
             if self._hides:
                 passed = self._drives.advance(torque, chain.position, chain.velocity)
             chain.advance(passed)
-            if self._machine.floating:
-                force += chain.ground_force
+            force += chain.ground_force
         self._force = force / _SUBSTEPS
 
     def push(self, force: np.ndarray) -> None:
@@ -93,15 +79,11 @@ class ClosedChainPlant:
 
     def state(self) -> State:
         """Return the present state."""
-        chain, nothing = self._chain, np.zeros(0)
-        motion = self._drives.motion(chain.position, chain.velocity)
-        if not self._machine.floating:
-            return State(*motion, nothing, nothing, self._force)
+        chain, turn = self._chain, np.zeros(9)
         base, rate = chain.base, chain.base_velocity
-        turn = np.zeros(9)
         mujoco.mju_quat2Mat(turn, base[:4])
         return State(
-            *motion,
+            *self._drives.motion(chain.position, chain.velocity),
             np.concatenate([base[4:], base[:4]]),
             np.concatenate([rate[3:], turn.reshape(3, 3).T @ rate[:3]]),
             self._force,
@@ -132,8 +114,6 @@ def _sides(machine: Machine, robot: Robot) -> list[DriveSide]:
         more = side.inertia - nominal.inertia, side.damping - nominal.damping
         rubs = side.friction + robot.drive_friction
         leg.append(replace(side, inertia=inertia + more[0], damping=damping + more[1], friction=rubs))
-    if not machine.floating:
-        return leg
     abduction = DriveSide(own.inertia[0], own.damping[0], friction=robot.drive_friction)
     return [abduction, *leg] * len(LEGS)
 
@@ -215,3 +195,22 @@ class TrainedPlant:
                     world = contact.frame.reshape(3, 3).T @ six[:3]
                     loads[self._feet.index(foot)] += world if side else -world
         return loads
+
+
+def loaded(m: mujoco.MjModel, mass: float) -> mujoco.MjModel:
+    """Return a copy of a compiled machine with a point mass [kg] at the origin of its trunk."""
+    made = m.__copy__()
+    body = int(m.jnt_bodyid[0])
+    own, at, turn = m.body_mass[body], m.body_ipos[body], np.zeros(9)
+    mujoco.mju_quat2Mat(turn, m.body_iquat[body])
+    turn = turn.reshape(3, 3)
+    inertia = turn @ np.diag(m.body_inertia[body]) @ turn.T
+    share = own * mass / (own + mass)  # of two masses about their common centre
+    inertia += share * (at @ at * np.eye(3) - np.outer(at, at))
+    size, axes = np.linalg.eigh(inertia)
+    axes[:, 0] *= np.linalg.det(axes)
+    made.body_mass[body], made.body_ipos[body] = own + mass, at * own / (own + mass)
+    made.body_inertia[body] = size
+    mujoco.mju_mat2Quat(made.body_iquat[body], axes.ravel())
+    mujoco.mj_setConst(made, mujoco.MjData(made))
+    return made

@@ -15,8 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from workbench.comparison import compare
 from workbench.core import InputError, Recording
-from workbench.core.files import write_whole
-from workbench.core.formats import check_format
+from workbench.core.files import check_format, write_whole
 from workbench.core.provenance import digest
 from workbench.models import Model, read_model
 from workbench.verification import verify

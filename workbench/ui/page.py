@@ -24,8 +24,7 @@ from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
 from .runs import Runs
 from .saving import Saving
-from .summary import NOTHING_CHOSEN, numbers, verdict
-from .where import where_words
+from .summary import NOTHING_CHOSEN, numbers, verdict, where_words
 from .widgets import column, fade, plot_pane, row, safe, text, widget
 
 _WHOLE_S, _STRETCH_S = 20.0, 3.0  # a longer recording opens where it fails most, for so long

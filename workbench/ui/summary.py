@@ -1,4 +1,4 @@
-"""The verdict and the numbers at the top of the page."""
+"""The verdict and the numbers at the top of the page, and where the error is beside the map."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ NOTHING_CHOSEN = (
     "<h1>Choose a model and recordings to begin.</h1><p class=quiet>Then see where the model is wrong, and "
     "find what is missing.</p>"
 )
+_SHARES = 5
 
 
 def verdict(model: str, comparison: Comparison | None) -> str:
@@ -33,3 +34,20 @@ def numbers(error: float | None, given: float | None, floor: float | None) -> st
         f"<div><dt>{name}</dt><dd class='{kind}'>{safe(value)}</dd></div>" for name, value, kind in cells
     )
     return f"<dl class=numbers aria-live=polite>{parts}</dl>"
+
+
+def where_words(comparison: Comparison) -> str:
+    """Return the largest shares of the error of a comparison above the noise, as HTML."""
+    shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
+    lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
+    if lines:
+        told = (
+            "<p>Largest parts of the squared error above the noise. Frequency, speed, position and time "
+            f"divide the same error differently; do not add the parts.</p><ul>{lines}</ul>"
+        )
+    elif comparison.consistent:  # single cells of the map may exceed the noise
+        told = "<p>As a whole, the error is no larger than the noise explains.</p>"
+    else:
+        told = "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
+    loop = w.loop_sentence(comparison)
+    return told + (f"<p class=quiet>{safe(loop)}</p>" if loop else "")

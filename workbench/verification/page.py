@@ -8,9 +8,8 @@ import numpy as np
 
 from workbench.core.text import counted
 from workbench.report.numbers import number
-from workbench.report.response import error_row, response_panel, words_of
-from workbench.report.sheet import Drawing, Panel, Section, Sheet
-from workbench.report.sheet_table import SheetTable
+from workbench.report.response import entry_panels, error_row, notes_of, posture_of, words_of
+from workbench.report.sheet import Drawing, Panel, Section, Sheet, SheetTable
 from workbench.report.wording import capital
 
 from .picture import frf_figure
@@ -56,9 +55,9 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
         sections=(
             Section("errors", "Error of each model", tables=(_table(found),)),
             *(_section(c, k, len(drawn)) for k, c in enumerate(c for c in found if c in drawn)),
-            *_notes(found),
+            *notes_of(c.frf for c in found),
         ),
-        picture=(frf_figure(worst), f"Measured response about {_posture(worst)}, and models."),
+        picture=(frf_figure(worst), f"Measured response about {posture_of(worst.frf)}, and models."),
     )  # fmt: skip
 
 
@@ -97,18 +96,12 @@ def _span(found: Sequence[FrfComparison]) -> str:
     return f"{low:.3g} to {high:.3g} Hz"
 
 
-def _posture(c: FrfComparison) -> str:
-    axes = dict.fromkeys(o.axis for o in c.frf.outputs)
-    unit = "m" if c.frf.outputs[0].unit in ("m", "m/s") else "rad"
-    return ", ".join(f"{a} {number(x)} {unit}" for a, x in zip(axes, c.frf.posture, strict=False))
-
-
 def _table(found: Sequence[FrfComparison]) -> SheetTable:
     several = len(found) > 1
     rows = [
         (
             words_of(name),
-            *([_posture(c)] if several else []),
+            *([posture_of(c.frf)] if several else []),
             percent_of(c.overall(name)),
             number(c.overall(name) / c.overall_noise, 3),
             f"{c.worst(name):.3g} Hz",
@@ -130,21 +123,8 @@ def _table(found: Sequence[FrfComparison]) -> SheetTable:
 
 
 def _section(c: FrfComparison, number_: int, count: int) -> Section:
-    ny, nu = c.frf.response.shape[1:]
-    upper = c.frf.magnitude_interval()[1] - np.abs(c.frf.response)
-    panels = [
-        response_panel(
-            f"{c.frf.outputs[i].axis} over {c.frf.inputs[j].axis}",
-            f"{c.frf.outputs[i].unit} / ({c.frf.inputs[j].unit})",
-            c.frf.frequency,
-            c.frf.response[:, i, j],
-            upper[:, i, j],
-            c.frf.std[:, i, j],
-            {name: g[:, i, j] for name, g in c.models.items()},
-        )
-        for i, j in np.ndindex(ny, nu)
-    ]
-    if ny * nu > 1:
+    panels = entry_panels(c.frf, c.models)
+    if len(panels) > 1:
         low = 0.3 * min(float(np.min(c.noise)), *(float(np.median(e)) for e in c.error.values()))
         words = ", ".join(f"{words_of(n)} {percent_of(c.overall(n))}" for n in c.models)
         whole = Panel(
@@ -165,11 +145,6 @@ def _section(c: FrfComparison, number_: int, count: int) -> Section:
     return Section(
         f"posture-{number_ + 1}",
         "Response" if count == 1 else f"Response {number_ + 1}",
-        sentences=(f"About {_posture(c)} ({c.frf.coordinates} coordinates).",),
+        sentences=(f"About {posture_of(c.frf)} ({c.frf.coordinates} coordinates).",),
         drawings=(Drawing(tuple(panels), caption),),
     )
-
-
-def _notes(found: Sequence[FrfComparison]) -> tuple[Section, ...]:
-    notes = tuple(dict.fromkeys(note for c in found for note in c.frf.notes))
-    return (Section("notes", "Notes", remarks=notes),) if notes else ()

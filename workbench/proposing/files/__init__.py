@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.bounds import bounded, check_fetched
+from workbench.core.bounds import bounded, check_fetched, opened
 
 from ..table import Table
 from .arrays import read_matlab_file, read_numpy_file, read_parquet_file
@@ -101,7 +100,7 @@ def _reader(path: Path):
 
 def _is_json(path: Path) -> bool:
     try:
-        with (gzip.open if path.name.lower().endswith(".gz") else open)(path, "rb") as file:
+        with opened(path) as file:
             start = b"".join(file.read(200).removeprefix(b"\xef\xbb\xbf").split())
     except (OSError, EOFError, zlib.error):
         return False  # the reader says so

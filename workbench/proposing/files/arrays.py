@@ -30,7 +30,7 @@ def read_parquet_file(path: Path) -> Table:
     try:
         with pq.ParquetFile(path) as file:
             check_cells(file.metadata.num_rows * file.metadata.num_columns, path)
-            _check_unpacked(file.metadata, path)
+            check_unpacked(file.metadata, path)
             table = file.read()
     except (pa.ArrowException, OSError, ValueError) as error:
         raise InputError("is not a readable Parquet file", file=path, remedy=_WHOLE) from error
@@ -70,7 +70,8 @@ def _list_columns(name: str, column: pa.ChunkedArray, path: Path) -> dict[str, n
     return {f"{name}[{i}]": array[:, i] for i in range(width)} if array.ndim == 2 else {}
 
 
-def _check_unpacked(metadata: Any, path: Path) -> None:
+def check_unpacked(metadata: Any, path: Path) -> None:
+    """Raise InputError if a Parquet file is larger than a table may be once it is unpacked."""
     size = sum(metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups))
     if size > MOST_BYTES:
         raise too_large(path)
@@ -152,8 +153,6 @@ def read_numpy_file(path: Path) -> Table:
                             texts[entry.filename[:-4]] = array.tolist()
                         left += [] if found else [entry.filename[:-4]]
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, *_HEADERS) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError("is not a readable NumPy file", file=path, remedy=_WHOLE) from error
     return stacked(path, arrays, plain=False, left=left, texts=texts)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import json
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.bounds import check_cells, read_bounded
+from workbench.core.bounds import check_cells, opened, read_bounded
 
 from ..table import Table
 from .joint_names import named_by_text, of_list
@@ -33,9 +32,8 @@ def read_json(path: Path) -> Table:
     Raises:
         InputError: it is no JSON, too large, or no list of eight records or numbers is in it.
     """
-    opener = gzip.open if path.name.lower().endswith(".gz") else open
     try:
-        with opener(path, "rb") as file:
+        with opened(path) as file:
             content = _parsed(read_bounded(file, path).decode("utf-8-sig"))
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise InputError("is not readable JSON", file=path, remedy="check that the file is whole") from error

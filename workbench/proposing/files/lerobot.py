@@ -12,10 +12,10 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from workbench.core import InputError
-from workbench.core.bounds import MOST_BYTES, check_cells, inside, too_large
+from workbench.core.bounds import check_cells, inside, too_large
 
 from ..table import Table
-from .arrays import parquet_columns
+from .arrays import check_unpacked, parquet_columns
 
 _WANTED = ("timestamp", "frame_index", "episode_index")
 
@@ -40,9 +40,7 @@ def read_lerobot(folder: Path, episode: int = 0) -> Table:
     for file in files:
         try:
             with pq.ParquetFile(file) as opened:
-                size = sum(opened.metadata.row_group(i).total_byte_size for i in range(opened.num_row_groups))
-                if size > MOST_BYTES:
-                    raise too_large(file)
+                check_unpacked(opened.metadata, file)
                 names = opened.schema_arrow.names
                 wanted = [n for n in names if n in _WANTED or n == "action" or n.startswith("observation.")]
                 wanted = [n for n in wanted if "image" not in n]

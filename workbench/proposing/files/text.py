@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 import re
 import zlib
@@ -13,7 +12,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from workbench.core import InputError
-from workbench.core.bounds import check_cells, read_bounded
+from workbench.core.bounds import check_cells, opened, read_bounded
 
 from ..table import Table
 from .joint_names import named_by_text
@@ -64,9 +63,8 @@ def read_text(path: Path) -> Table:
 
 
 def _raw(path: Path) -> bytes:
-    opener = gzip.open if path.name.lower().endswith(".gz") else open
     try:
-        with opener(path, "rb") as file:
+        with opened(path) as file:
             return read_bounded(file, path)
     except (OSError, EOFError, zlib.error) as error:
         raise InputError("cannot be read", file=path, remedy="check that the file is whole") from error

@@ -68,8 +68,6 @@ def matlab_arrays(path: Path, names: Sequence[str] = ()) -> dict[str, np.ndarray
         remedy = "save it again in MATLAB with save(..., '-v7')"
         raise InputError("MATLAB 7.3 files are not read", file=path, remedy=remedy) from error
     except ValueError as error:
-        if isinstance(error, InputError):
-            raise
         remedy = "check that the file is whole"
         raise InputError("is not a readable MATLAB file", file=path, remedy=remedy) from error
     return found

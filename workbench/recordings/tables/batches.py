@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from workbench.core import InputError
+from workbench.core.bounds import opened
 
 from .csv_table import csv_batches
 from .parquet_table import parquet_batches
@@ -28,8 +27,7 @@ def count_rows(path: Path) -> int:
         if path.name.lower().endswith(".parquet"):
             with pq.ParquetFile(path) as file:
                 return file.metadata.num_rows
-        opener = gzip.open if path.name.lower().endswith(".gz") else io.open
-        with opener(path, "rb") as file:
+        with opened(path) as file:
             lines, last = 0, b"\n"
             while block := file.read(_BLOCK):
                 lines, last = lines + block.count(b"\n"), block[-1:]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import gzip
+import io
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from workbench.core import InputError
+from workbench.core.bounds import opened
 
 from .floats import floats
 from .missing import missing_column
@@ -66,6 +68,15 @@ def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dic
     return len(names), separator, {column: f"c{names.index(column)}" for column in columns}
 
 
+def csv_bytes(columns: Mapping[str, np.ndarray], *, pack: bool = True) -> bytes:
+    """Return the table of these columns, gzipped if `pack`; the same columns give the same bytes."""
+    out = io.BytesIO()
+    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
+    table = pa.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
+    pacsv.write_csv(table, out, options)
+    return gzip.compress(out.getvalue(), compresslevel=6, mtime=0) if pack else out.getvalue()
+
+
 def _cells(texts: Sequence[str], path: Path, column: str, first: int) -> np.ndarray:
     """Return the numbers (K,) of a column's cells; the first cell is in row `first`."""
     return np.array([_cell(text, path, column, k) for k, text in enumerate(texts, first)], float)
@@ -73,8 +84,7 @@ def _cells(texts: Sequence[str], path: Path, column: str, first: int) -> np.ndar
 
 def _header(path: Path) -> tuple[list[str], str]:
     try:
-        opener = gzip.open if path.name.lower().endswith(".gz") else open
-        with opener(path, "rb") as file:
+        with opened(path) as file:
             line = file.readline().decode("utf-8-sig")
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
         remedy = "check that the file is whole and of the format its name says"

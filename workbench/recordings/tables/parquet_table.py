@@ -35,8 +35,6 @@ def parquet_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np
             for batch in file.iter_batches(_BATCH, columns=list(columns), use_threads=False):
                 yield {c: as_floats(batch.column(batch.schema.get_field_index(c)), path, c) for c in columns}
     except (pa.ArrowException, OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         remedy = "check that the file is whole"
         raise InputError("is not a readable parquet file", file=path, remedy=remedy) from error
 
