@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from .reading import read_json
 
 #: Signals of a recording, in the order of its columns.
 SIGNALS = ("position", "position_reference", "velocity", "torque_command", "torque_measured")
@@ -57,7 +58,7 @@ class Case:
 
 def read_case(folder: Path) -> Case:
     """Reads a case's folder."""
-    known = json.loads((folder / "case.json").read_text("utf-8"))
+    known = read_json(folder / "case.json")
     law = known["controller"]
     return Case(
         folder,
