@@ -3,6 +3,7 @@
 workbench-exam make cases                      # the open set: 60 cases of seed 0
 workbench-exam run baselines/nothing.py cases  # answers in answers/nothing
 workbench-exam score cases answers/*           # a table, and marks.json beside the answers of each
+workbench-exam table exam/open-marks.jsonl     # the table of marks that `score --lines FILE` kept
 workbench-exam reveal cases --key KEY          # truth.json into each case, after answers are in
 workbench-exam hashes cases                    # to compare with exam/open.sha256
 """
@@ -26,7 +27,7 @@ from .reading import read_json
 from .run import answer_all
 from .scoring import mark
 from .seal import OPEN_KEY, truth_of
-from .table import table
+from .table import lines_of, read_lines, table
 
 Judge = Callable[[Mapping[str, Any], Answer], dict[str, float]]
 
@@ -53,6 +54,11 @@ def main() -> None:
     score.add_argument("answers", type=Path, nargs="+", help="one folder per solver")
     score.add_argument("--key", default=OPEN_KEY)
     score.add_argument("--first", type=_counted, help="only answers to so many cases")
+    score.add_argument(
+        "--lines", type=Path, help="also all marks into this file, one line per solver and case"
+    )
+    kept = does.add_parser("table", help="the table of such a file, without cases or answers")
+    kept.add_argument("lines", type=Path)
     reveal = does.add_parser("reveal", help="write the truth into each case's folder, and check its seal")
     reveal.add_argument("cases", type=Path)
     reveal.add_argument("--key", default=OPEN_KEY)
@@ -60,9 +66,8 @@ def main() -> None:
     hashes.add_argument("cases", type=Path)
     arguments = parser.parse_args()
     try:
-        {"make": _make, "run": _run, "score": _score, "reveal": _reveal, "hashes": _hashes}[arguments.what](
-            arguments
-        )
+        does_it = {"make": _make, "run": _run, "score": _score, "table": _table, "reveal": _reveal}
+        (does_it | {"hashes": _hashes})[arguments.what](arguments)
     except (ValueError, ArithmeticError, OSError, ImportError) as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(2)
@@ -147,7 +152,13 @@ def _score(a: argparse.Namespace) -> None:
         judge = None
         print("without numba (pip install './exam[plants]') error removed is not measured", file=sys.stderr)
     solvers = {answers.name: _marks(a, answers, judge) for answers in a.answers}
+    if a.lines:
+        a.lines.write_text(lines_of(solvers), "utf-8")
     print(table(solvers))
+
+
+def _table(a: argparse.Namespace) -> None:
+    print(table(read_lines(a.lines)))
 
 
 def _marks(a: argparse.Namespace, answers: Path, judge: Judge | None) -> list[dict[str, Any]]:

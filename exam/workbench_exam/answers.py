@@ -76,7 +76,7 @@ def from_json(data: Any, where: str = "answer", drives: Sequence[str] | None = N
     """
     if not isinstance(data, Mapping):
         raise ValueError(f"{where}: an object with verdict, named and outside")
-    if data.get("verdict") not in VERDICTS:
+    if data.get("verdict") not in list(VERDICTS):  # what JSON holds may have no hash
         raise ValueError(f"{where}: verdict: one of {', '.join(VERDICTS)}")
     named = tuple(
         _named(each, f"{where}: named[{i}]", drives) for i, each in enumerate(_list(data, "named", where))
@@ -106,7 +106,7 @@ def _key(each: Any, where: str, drives: Sequence[str] | None) -> tuple[str, str 
     if not isinstance(each, Mapping):
         raise ValueError(f"{where}: an object with effect and place")
     effect, place = each.get("effect"), each.get("place")
-    if effect not in EFFECTS:
+    if effect not in list(EFFECTS):
         raise ValueError(f"{where}: effect: '{effect}' is not in the vocabulary")
     if effect in WHOLE:
         return effect, None
@@ -150,4 +150,8 @@ def read_answer(file: Path, drives: Sequence[str] | None = None) -> tuple[Answer
     """
     data = read_json(file)
     answer = from_json(data, str(file), drives)
-    return answer, _number(data.get("seconds", math.nan), f"{file}: seconds", bound=True)
+    clock, _ = (
+        _number(data.get(key, math.nan), f"{file}: {key}", bound=True)
+        for key in ("seconds", "processor_seconds")
+    )
+    return answer, clock

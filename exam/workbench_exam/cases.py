@@ -57,8 +57,19 @@ class Case:
 
 
 def read_case(folder: Path) -> Case:
-    """Reads a case's folder."""
-    known = read_json(folder / "case.json")
+    """Reads a case's folder.
+
+    Raises:
+        ValueError: what it holds is not what the exam wrote.
+        FileNotFoundError: a file is missing.
+    """
+    try:
+        return _case(folder, read_json(folder / "case.json"))
+    except (KeyError, TypeError, IndexError, ValueError) as error:
+        raise ValueError(f"{folder}: damaged, make it again: {type(error).__name__}: {error}") from error
+
+
+def _case(folder: Path, known: Mapping[str, Any]) -> Case:
     law = known["controller"]
     return Case(
         folder,
@@ -76,8 +87,11 @@ def read_case(folder: Path) -> Case:
 
 def _recording(folder: Path, known: Mapping[str, Any], name: str) -> Recording:
     with (folder / name).open(newline="") as file:
-        header = next(csv.reader(file))
-        table = np.loadtxt(file, delimiter=",", ndmin=2)
+        header = next(csv.reader(file), [])
+        rows = file.readlines()
+    if not rows:
+        raise ValueError(f"{name} has no rows")
+    table = np.loadtxt(rows, delimiter=",", ndmin=2)
     columns = dict(zip(header, table.T, strict=True))
     signals = {}
     for signal in SIGNALS:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -57,6 +59,29 @@ def reliability(marks: Marks) -> list[tuple[float, int, int]]:
     ]
     bins = [[s for s in sure if low <= s[0] < high] for low, high in pairwise(BINS)]
     return [(sum(p for p, _ in b) / len(b), sum(r for _, r in b), len(b)) for b in bins if b]
+
+
+def lines_of(solvers: Mapping[str, Marks]) -> str:
+    """JSON Lines: one line per solver and case."""
+    return "".join(
+        json.dumps({"solver": name, **each}) + "\n" for name, marks in solvers.items() for each in marks
+    )
+
+
+def read_lines(file: Path) -> dict[str, list[dict[str, Any]]]:
+    """Solver -> its marks, from such lines.
+
+    Raises:
+        ValueError: a line that is no mark, with its number.
+    """
+    solvers: dict[str, list[dict[str, Any]]] = {}
+    for number, line in enumerate(file.read_text("utf-8").splitlines(), 1):
+        try:
+            each = json.loads(line)
+            solvers.setdefault(each.pop("solver"), []).append(each)
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"{file}:{number}: no mark of a solver; `score --lines` writes them") from error
+    return solvers
 
 
 def table(solvers: Mapping[str, Marks]) -> str:
