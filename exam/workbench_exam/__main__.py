@@ -28,6 +28,7 @@ from .run import answer_all
 from .scoring import mark
 from .seal import OPEN_KEY, truth_of
 from .table import lines_of, read_lines, table
+from .twins import one_body
 
 Judge = Callable[[Mapping[str, Any], Answer], dict[str, float]]
 
@@ -170,7 +171,7 @@ def _marks(a: argparse.Namespace, answers: Path, judge: Judge | None) -> list[di
             raise FileNotFoundError(f"{file}: no case {folder}; name the folder of its cases")
         told = truth_of(folder, a.key)
         drives = read_json(folder / "case.json")["drives"]
-        told["first_drive"] = drives[0]
+        told["one_body"] = one_body(folder / "model.xml", drives)
         answer, seconds = read_answer(file, drives)
         said = read_json(file)
         more = {key: said[key] for key in ("processor_seconds", "failed") if key in said}

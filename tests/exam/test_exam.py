@@ -26,7 +26,7 @@ from workbench_exam.vocabulary import EFFECTS, MEANING
 
 EXAM = Path(__file__).resolve().parents[2] / "exam"
 ARM = draw(0, "number", 0)  # an arm whose file has too little damping
-TOLD = {**truth(ARM), "first_drive": "yaw"}
+TOLD = {**truth(ARM), "one_body": ("yaw",)}
 RIGHT = Named("viscous_damping", "lift", {"damping": (1.06, 1.05, 1.07)}, 0.9)
 
 
@@ -172,7 +172,7 @@ def test_what_moves_as_the_truth_and_says_so_is_alike() -> None:
         assert mark(TOLD, Answer("missing_effect", (other,)), 1.0, judged)["named"][0]["is"] == how
 
 
-def test_about_its_first_joint_a_link_and_its_rotor_are_one() -> None:
+def test_where_a_link_turns_with_its_rotor_both_are_one() -> None:
     hidden = [{"effect": "reflected_inertia", "place": "yaw", "values": {"inertia": 0.1}, "shows": 5.0}]
     told = TOLD | {"hidden": hidden}
     link = Answer("missing_effect", (Named("link_inertia_error", "yaw"),))
