@@ -85,14 +85,18 @@ def read_lines(file: Path) -> dict[str, list[dict[str, Any]]]:
 
 
 def table(solvers: Mapping[str, Marks]) -> str:
-    """A Markdown table; shares with their 95 % intervals."""
+    """A Markdown table; shares with their 95 % intervals. It says who answered fewer cases than others."""
+    most = max(map(len, solvers.values()), default=0)
     lines = ["| " + " | ".join(_HEAD) + " |", "|" + "---|" * len(_HEAD)]
     for name, marks in solvers.items():
         r = row(marks)
         brier = "-" if r["brier"] is None else f"{r['brier']:.3f} ({r['sure']})"
         removed = "-" if r["removed"] is None else f"{r['removed']:.2f}"
+        said = [f"{r['failed']} failed"] * (r["failed"] > 0) + [f"answered {len(marks)}"] * (
+            len(marks) < most
+        )
         cells = [
-            name + (f" ({r['failed']} failed)" if r["failed"] else ""), _share(r["right"], True),
+            name + (f" ({', '.join(said)})" if said else ""), _share(r["right"], True),
             _share(r["named"], True), str(r["false"]), _share(r["clean"]), _share(r["strangers"]), brier,
             _share(r["held"]), removed, f"{r['seconds']:.3g}" if math.isfinite(r["seconds"]) else "-",
         ]  # fmt: skip

@@ -229,4 +229,5 @@ def test_a_table_counts() -> None:
     assert figures["right"] == (1, 2) and figures["named"] == (1, 2) and figures["seconds"] == 3.0
     assert figures["brier"] == pytest.approx((0.1**2 + 0.6**2) / 2)
     assert reliability([good, bad]) == [(0.6, 0, 1), (0.9, 1, 1)]
-    assert "| mine | 1 of 2 (9% to 91%) |" in table({"mine": [good, bad]})
+    text = table({"mine": [good, bad], "hasty": [bad]})
+    assert "| mine | 1 of 2 (9% to 91%) |" in text and "| hasty (answered 1) | 0 of 1" in text
