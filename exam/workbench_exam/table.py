@@ -92,9 +92,8 @@ def table(solvers: Mapping[str, Marks]) -> str:
         r = row(marks)
         brier = "-" if r["brier"] is None else f"{r['brier']:.3f} ({r['sure']})"
         removed = "-" if r["removed"] is None else f"{r['removed']:.2f}"
-        said = [f"{r['failed']} failed"] * (r["failed"] > 0) + [f"answered {len(marks)}"] * (
-            len(marks) < most
-        )
+        said = [f"{r['failed']} failed"] if r["failed"] else []
+        said += [f"answered {len(marks)}"] if len(marks) < most else []
         cells = [
             name + (f" ({', '.join(said)})" if said else ""), _share(r["right"], True),
             _share(r["named"], True), str(r["false"]), _share(r["clean"]), _share(r["strangers"]), brier,
