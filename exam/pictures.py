@@ -129,14 +129,7 @@ def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
         ax.plot([at, at], [low, high], color=_GREY, lw=1)
         ax.plot(at, good / of, "o", color=_BLUE)
         beside = (6, -12) if below else (6, 4)
-        ax.annotate(
-            f"{name} ({of})",
-            (at, good / of),
-            xytext=beside,
-            textcoords="offset points",
-            fontsize=9,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},  # bars of others stand behind it
-        )
+        ax.annotate(f"{name} ({of})", (at, good / of), xytext=beside, textcoords="offset points", fontsize=9)
     ax.set(
         xscale="log", ylim=(-0.08, 1.08), xlabel="median processor time of a case [s]", ylabel="cases right"
     )
