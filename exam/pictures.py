@@ -1,12 +1,13 @@
 """Pictures of marks: which effect is taken for which, whether probabilities hold, time against accuracy.
 
-python exam/pictures.py answers/* -o pictures      # after `workbench_exam score`; needs matplotlib
+python exam/pictures.py answers/* -o pictures              # after `workbench-exam score`; needs matplotlib
+python exam/pictures.py exam/open-marks.jsonl -o pictures  # those of the page
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import math
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,8 +18,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from workbench_exam.reading import read_json
 from workbench_exam.scoring import wilson
-from workbench_exam.table import Marks, reliability, row
+from workbench_exam.table import Marks, read_lines, reliability, row
 
 _BLUE, _GREY, _ORANGE = "#0072b2", "#777777", "#d55e00"  # Okabe and Ito's, told apart by all eyes
 
@@ -28,11 +30,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("answers", type=Path, nargs="+")
+    parser.add_argument("marks", type=Path, nargs="+", help="folders with marks.json, or files of lines")
     parser.add_argument("-o", "--out", type=Path, required=True)
     parser.add_argument("--confusion", nargs="*", help="solvers to show there; default: all")
     arguments = parser.parse_args()
-    solvers = {a.name: json.loads((a / "marks.json").read_text("utf-8")) for a in arguments.answers}
+    solvers: dict[str, Marks] = {}
+    for given in arguments.marks:
+        if given.is_dir():
+            solvers[given.name] = read_json(given / "marks.json")
+        else:
+            solvers |= read_lines(given)
     shown = {name: solvers[name] for name in arguments.confusion or solvers}
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name, figure in (
@@ -108,11 +115,12 @@ def calibration(solvers: Mapping[str, Marks]) -> Figure:
 
 
 def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
-    """Share of cases that are right, with 95 % intervals, over the median time of a case."""
+    """Share of cases that are right, with 95 % intervals, over the median processor time of a case."""
     figure, ax = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
     last, below = 0.0, False
-    for name, marks in sorted(solvers.items(), key=lambda item: row(item[1])["seconds"]):
-        figures = row(marks)
+    figured = {name: row(marks) for name, marks in solvers.items()}
+    timed = {name: figures for name, figures in figured.items() if math.isfinite(figures["seconds"])}
+    for name, figures in sorted(timed.items(), key=lambda item: item[1]["seconds"]):
         good, of = figures["right"]
         low, high = wilson(good, of)
         at = max(figures["seconds"], 1e-2)
@@ -122,7 +130,9 @@ def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
         ax.plot(at, good / of, "o", color=_BLUE)
         beside = (6, -12) if below else (6, 4)
         ax.annotate(f"{name} ({of})", (at, good / of), xytext=beside, textcoords="offset points", fontsize=9)
-    ax.set(xscale="log", ylim=(-0.08, 1), xlabel="median time of a case [s]", ylabel="cases right")
+    ax.set(
+        xscale="log", ylim=(-0.08, 1.08), xlabel="median processor time of a case [s]", ylabel="cases right"
+    )
     ax.margins(x=0.25)
     return figure
 

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from columns import way
 from dynamics import regression
-from stepwise import estimates, score
+from stepwise import estimates, goes_with
 from workbench_exam.answers import Answer, Named
 from workbench_exam.cases import Case
 
@@ -58,7 +58,7 @@ def solve(case: Case) -> Answer:
             pool = [
                 c for c in rows.candidates if c.effect in _MEANS[name] and c.place in (case.drives[i], None)
             ]
-            best = min(pool, key=lambda c: score(rows.y, [c], 0.0))
+            best = goes_with(rows.y, pool)
             if (best.effect, best.place) not in {(each.effect, each.place) for each in named}:
                 named += estimates(rows.y, [best])
     verdict = "partly_explained" if named and unexplained else "missing_effect" if named else "consistent"

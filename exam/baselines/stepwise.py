@@ -16,6 +16,7 @@ from workbench_exam.cases import Case
 
 _MOST = 6  # effects
 _LEAST = 0.03  # of the residual's squares that an effect takes: below it model errors of the filter are named
+_ROUNDING = 1e-3  # of a criterion: a difference that says nothing
 _SPAN = 1.959964
 _POSITIVE = ("drag", "stiffness", "mass", "coulomb", "static")
 
@@ -34,8 +35,9 @@ def stepwise(case: Case, aic: bool) -> Answer:
             for k, c in enumerate(rows.candidates)
             if (c.effect, c.place) not in keys
         ]
-        for value, k in sorted(scores):
-            more = [*chosen, rows.candidates[k]]
+        worth = {k: value for value, k in scores}
+        for k in ranked(scores):
+            value, more = worth[k], [*chosen, rows.candidates[k]]
             if value < best and physical(estimates(rows.y, more)):
                 break
         else:
@@ -45,6 +47,25 @@ def stepwise(case: Case, aic: bool) -> Answer:
         chosen, best = more, value
     named = [*late, *estimates(rows.y, chosen)]
     return Answer("missing_effect" if named else "consistent", tuple(named))
+
+
+def ranked(scores: list[tuple[float, int]]) -> list[int]:
+    """Numbers by their criterion, least first; of those that are one but for rounding the lowest first.
+
+    A link that turns with its rotor has the rotor's column: which of both is less by rounding is a matter of
+    the processor.
+    """
+    groups: list[list[tuple[float, int]]] = []
+    for value, k in sorted(scores):
+        if not groups or value - groups[-1][0][0] > _ROUNDING:
+            groups.append([])
+        groups[-1].append((value, k))
+    return [k for group in groups for k in sorted(k for _, k in group)]
+
+
+def goes_with(y: np.ndarray, pool: list[Candidate]) -> Candidate:
+    """The candidate that leaves least of `y`; of several alike the first."""
+    return pool[ranked([(score(y, [c], 0.0), k) for k, c in enumerate(pool)])[0]]
 
 
 def squares(y: np.ndarray, chosen: list[Candidate]) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from columns import way
 from dynamics import regression
 from gplearn.genetic import SymbolicRegressor
-from stepwise import estimates, score
+from stepwise import estimates, goes_with
 from workbench_exam.answers import Answer, Named
 from workbench_exam.cases import Case
 
@@ -43,7 +43,7 @@ def solve(case: Case) -> Answer:
         whole = np.zeros((len(y), len(driven)))
         whole[:, row] = said
         pool = [c for c in rows.candidates if c.place in (case.drives[i], None)]
-        best = min(pool, key=lambda c: score(whole.ravel(), [c], 0.0))
+        best = goes_with(whole.ravel(), pool)
         columns = best.columns.reshape(len(y), len(driven), -1)[:, row]
         left = said - columns @ np.linalg.lstsq(columns, said, rcond=1e-9)[0]
         if float(left @ left) > (1.0 - _AS_ONE) * float(said @ said):

@@ -1,10 +1,11 @@
 """Make cases, ask a solver, score its answers.
 
-workbench-exam make cases                              # the open set: 60 cases of seed 0
-workbench-exam run baselines/nothing.py cases          # answers in answers/nothing
-workbench-exam score cases answers/*                   # a table, and marks.json beside each one's
-answers workbench-exam reveal cases --key KEY                  # truth.json into each case, after
-answers are in
+workbench-exam make cases                      # the open set: 60 cases of seed 0
+workbench-exam run baselines/nothing.py cases  # answers in answers/nothing
+workbench-exam score cases answers/*           # a table, and marks.json beside the answers of each
+workbench-exam table exam/open-marks.jsonl     # the table of marks that `score --lines FILE` kept
+workbench-exam reveal cases --key KEY          # truth.json into each case, after answers are in
+workbench-exam hashes cases                    # to compare with exam/open.sha256
 """
 
 from __future__ import annotations
@@ -13,17 +14,23 @@ import argparse
 import hashlib
 import json
 import os
+import shutil
 import sys
+from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from .answers import read_answer
+from .answers import Answer, read_answer
 from .cases import read_case
+from .reading import read_json
 from .run import answer_all
 from .scoring import mark
 from .seal import OPEN_KEY, truth_of
-from .table import table
+from .table import lines_of, read_lines, table
+from .twins import one_body
+
+Judge = Callable[[Mapping[str, Any], Answer], dict[str, float]]
 
 
 def main() -> None:
@@ -34,20 +41,25 @@ def main() -> None:
     does = parser.add_subparsers(dest="what", required=True)
     make = does.add_parser("make", help="draw cases and record them")
     make.add_argument("folder", type=Path)
-    make.add_argument("--count", type=int, default=60, help="any beginning is a fair sample of kinds")
+    make.add_argument("--count", type=_counted, default=60, help="any beginning is a fair sample of kinds")
     make.add_argument("--seed", type=int, default=0, help="of the set; keep it to yourself to set an exam")
     make.add_argument("--key", default=OPEN_KEY, help="seals the truths; likewise")
-    make.add_argument("--jobs", type=int, default=os.cpu_count())
+    make.add_argument("--jobs", type=_counted, default=os.cpu_count())
     run = does.add_parser("run", help="ask a solver: a Python file with `solve(case) -> Answer`")
     run.add_argument("solver", type=Path)
     run.add_argument("cases", type=Path)
     run.add_argument("-o", "--out", type=Path, help="default: answers/NAME")
-    run.add_argument("--first", type=int, help="only so many cases")
+    run.add_argument("--first", type=_counted, help="only so many cases")
     score = does.add_parser("score", help="mark answers")
     score.add_argument("cases", type=Path)
-    score.add_argument("answers", type=Path, nargs="+", help="a folder a solver")
+    score.add_argument("answers", type=Path, nargs="+", help="one folder per solver")
     score.add_argument("--key", default=OPEN_KEY)
-    score.add_argument("--first", type=int, help="only answers to so many cases")
+    score.add_argument("--first", type=_counted, help="only answers to so many cases")
+    score.add_argument(
+        "--lines", type=Path, help="also all marks into this file, one line per solver and case"
+    )
+    kept = does.add_parser("table", help="the table of such a file, without cases or answers")
+    kept.add_argument("lines", type=Path)
     reveal = does.add_parser("reveal", help="write the truth into each case's folder, and check its seal")
     reveal.add_argument("cases", type=Path)
     reveal.add_argument("--key", default=OPEN_KEY)
@@ -55,12 +67,17 @@ def main() -> None:
     hashes.add_argument("cases", type=Path)
     arguments = parser.parse_args()
     try:
-        {"make": _make, "run": _run, "score": _score, "reveal": _reveal, "hashes": _hashes}[arguments.what](
-            arguments
-        )
-    except (ValueError, FileNotFoundError, FileExistsError, ImportError) as error:
-        print(error, file=sys.stderr)
+        does_it = {"make": _make, "run": _run, "score": _score, "table": _table, "reveal": _reveal}
+        (does_it | {"hashes": _hashes})[arguments.what](arguments)
+    except (ValueError, ArithmeticError, OSError, ImportError) as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(2)
+
+
+def _counted(text: str) -> int:
+    if int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}: at least 1")
+    return int(text)
 
 
 def cases_in(folder: Path) -> list[Path]:
@@ -85,14 +102,27 @@ def hash_of(folder: Path) -> str:
 
 
 def _write(count: int, seed: int, number: int, folder: Path, key: str) -> str:
+    from .plants.draw import own_seed, plan
     from .plants.write import make, write
 
-    if not (folder / "sealed.json").exists():
-        write(make(count, seed, number), folder, key)
+    if (folder / "sealed.json").exists():
+        kind, own = plan(count)[number]
+        told = truth_of(folder, key)
+        if (told["kind"], told["seed"]) != (kind, own_seed(seed, kind, own)):
+            raise ValueError(f"{folder}: a case of another seed or count; make this set in a new folder")
+        return folder.name
+    half = folder.parent / ".part" / folder.name  # its name seals it
+    shutil.rmtree(half, ignore_errors=True)
+    write(make(count, seed, number), half, key)
+    half.replace(folder)
     return folder.name
 
 
 def _make(a: argparse.Namespace) -> None:
+    try:
+        from .plants import write  # noqa: F401
+    except ImportError as error:
+        raise ImportError("making cases needs numba: pip install './exam[plants]'") from error
     folders = [a.folder / f"case-{number:03d}" for number in range(a.count)]
     _write(a.count, a.seed, 0, folders[0], a.key)  # compiles the plant once, for all processes
     with ProcessPoolExecutor(a.jobs) as pool:
@@ -102,35 +132,55 @@ def _make(a: argparse.Namespace) -> None:
         ]
         for number, each in enumerate(done, 1):
             print(f"{number:3d}/{a.count} {each.result()}", flush=True)
+    shutil.rmtree(a.folder / ".part", ignore_errors=True)
 
 
 def _run(a: argparse.Namespace) -> None:
     out = a.out or Path("answers") / a.solver.stem
-    answer_all(a.solver, [read_case(folder) for folder in cases_in(a.cases)[: a.first]], out)
+    cases = [read_case(folder) for folder in cases_in(a.cases)[: a.first]]
+    failures = answer_all(a.solver, cases, out)
+    if failures:
+        raise ValueError(
+            f"{a.solver}: failed in {len(failures)} of {len(cases)} cases, first in {failures[0]}; these "
+            "count as 'consistent' until it is run again, which asks for these alone"
+        )
 
 
 def _score(a: argparse.Namespace) -> None:
     try:
         from .plants.removed import judge
-    except ImportError:  # without numba nothing is simulated
+    except ImportError:
         judge = None
-    solvers: dict[str, Any] = {}
-    for answers in a.answers:
-        marks = []
-        for file in sorted(answers.glob("case-*.json"))[: a.first]:
-            told = truth_of(a.cases / file.stem, a.key)
-            known = json.loads((a.cases / file.stem / "case.json").read_text("utf-8"))
-            told["first_drive"] = known["drives"][0]
-            answer, seconds = read_answer(file)
-            said = json.loads(file.read_text("utf-8"))
-            judged = judge(told, answer) if judge else None
-            failed = {"failed": said["failed"]} if said.get("failed") else {}
-            marks.append({"case": file.stem, **mark(told, answer, seconds, judged), **failed})
-        if not marks:
-            raise FileNotFoundError(f"{answers}: no answers")
-        (answers / "marks.json").write_text(json.dumps(marks, indent=1) + "\n", "utf-8")
-        solvers[answers.name] = marks
+        print("without numba (pip install './exam[plants]') error removed is not measured", file=sys.stderr)
+    solvers = {answers.name: _marks(a, answers, judge) for answers in a.answers}
+    if a.lines:
+        a.lines.write_text(lines_of(solvers), "utf-8")
     print(table(solvers))
+
+
+def _table(a: argparse.Namespace) -> None:
+    print(table(read_lines(a.lines)))
+
+
+def _marks(a: argparse.Namespace, answers: Path, judge: Judge | None) -> list[dict[str, Any]]:
+    """Marks of one solver, also written to `marks.json` beside its answers."""
+    marks = []
+    for file in sorted(answers.glob("case-*.json"))[: a.first]:
+        folder = a.cases / file.stem
+        if not (folder / "sealed.json").exists():
+            raise FileNotFoundError(f"{file}: no case {folder}; name the folder of its cases")
+        told = truth_of(folder, a.key)
+        drives = read_json(folder / "case.json")["drives"]
+        told["one_body"] = one_body(folder / "model.xml", drives)
+        answer, seconds = read_answer(file, drives)
+        said = read_json(file)
+        more = {key: said[key] for key in ("processor_seconds", "failed") if key in said}
+        judged = judge(told, answer) if judge else None
+        marks.append({"case": file.stem, **mark(told, answer, seconds, judged), **more})
+    if not marks:
+        raise FileNotFoundError(f"{answers}: no answers; ask a solver: workbench-exam run SOLVER {a.cases}")
+    (answers / "marks.json").write_text(json.dumps(marks, indent=1) + "\n", "utf-8")
+    return marks
 
 
 def _reveal(a: argparse.Namespace) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from .reading import read_json
 from .vocabulary import EFFECTS, VERDICTS, WHOLE
 
 
@@ -55,10 +55,11 @@ def to_json(answer: Answer) -> dict[str, Any]:
                 "effect": each.effect,
                 "place": each.place,
                 "values": {
-                    name: {"value": v[0]} | ({} if math.isnan(v[1]) else {"interval": [v[1], v[2]]})
+                    name: {"value": float(v[0])}
+                    | ({} if math.isnan(v[1]) else {"interval": [float(v[1]), float(v[2])]})
                     for name, v in each.values.items()
                 },
-                "probability": each.probability,
+                "probability": None if each.probability is None else float(each.probability),
                 "also": [{"effect": effect, "place": place} for effect, place in each.also],
             }
             for each in answer.named
@@ -67,41 +68,90 @@ def to_json(answer: Answer) -> dict[str, Any]:
     }
 
 
-def from_json(data: Mapping[str, Any], where: str = "answer") -> Answer:
-    """Reads and checks an answer form.
+def from_json(data: Any, where: str = "answer", drives: Sequence[str] | None = None) -> Answer:
+    """Reads and checks an answer form; with `drives` also that every place is one of these.
 
     Raises:
         ValueError: what is not of the form, with where it stands.
     """
-    if not isinstance(data, Mapping) or data.get("verdict") not in VERDICTS:
+    if not isinstance(data, Mapping):
+        raise ValueError(f"{where}: an object with verdict, named and outside")
+    if data.get("verdict") not in list(VERDICTS):  # what JSON holds may have no hash
         raise ValueError(f"{where}: verdict: one of {', '.join(VERDICTS)}")
-    named = []
-    for i, each in enumerate(data.get("named", [])):
-        place, effect = f"{where}: named[{i}]", each.get("effect")
-        if effect not in EFFECTS:
-            raise ValueError(f"{place}: effect: '{effect}' is not in the vocabulary")
-        values = {}
-        for name, value in each.get("values", {}).items():
-            if name not in EFFECTS[effect]:
-                raise ValueError(f"{place}: values: {effect} has {', '.join(EFFECTS[effect])}, not '{name}'")
-            low, high = value.get("interval", (math.nan, math.nan))
-            values[name] = (float(value["value"]), float(low), float(high))
-        if not all(math.isfinite(v[0]) for v in values.values()):
-            raise ValueError(f"{place}: values: each is a number")
-        sure = each.get("probability")
-        if sure is not None and not 0.0 <= sure <= 1.0:
-            raise ValueError(f"{place}: probability: from 0 to 1")
-        also = tuple((other["effect"], other.get("place")) for other in each.get("also", []))
-        at = None if effect in WHOLE else each.get("place")
-        named.append(Named(effect, at, values, sure, also))
-    return Answer(data["verdict"], tuple(named), tuple(map(str, data.get("outside", []))))
+    named = tuple(
+        _named(each, f"{where}: named[{i}]", drives) for i, each in enumerate(_list(data, "named", where))
+    )
+    return Answer(data["verdict"], named, tuple(map(str, _list(data, "outside", where))))
 
 
-def read_answer(file: Path) -> tuple[Answer, float]:
-    """An answer's file, and the seconds that it took.
+def _named(each: Any, where: str, drives: Sequence[str] | None) -> Named:
+    effect, place = _key(each, where, drives)
+    values = each.get("values", {})
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{where}: values: an object, name to value and interval")
+    sure = each.get("probability")
+    if sure is not None and not 0.0 <= _number(sure, f"{where}: probability") <= 1.0:
+        raise ValueError(f"{where}: probability: from 0 to 1")
+    return Named(
+        effect,
+        place,
+        {name: _value(value, effect, name, f"{where}: values") for name, value in values.items()},
+        sure,
+        tuple(_key(other, f"{where}: also", drives) for other in _list(each, "also", where)),
+    )
+
+
+def _key(each: Any, where: str, drives: Sequence[str] | None) -> tuple[str, str | None]:
+    """Effect and place, which effects of the whole machine do not have."""
+    if not isinstance(each, Mapping):
+        raise ValueError(f"{where}: an object with effect and place")
+    effect, place = each.get("effect"), each.get("place")
+    if effect not in list(EFFECTS):
+        raise ValueError(f"{where}: effect: '{effect}' is not in the vocabulary")
+    if effect in WHOLE:
+        return effect, None
+    if drives is not None and place not in drives:
+        raise ValueError(f"{where}: place: '{place}' is no drive; there are {', '.join(drives)}")
+    return effect, place
+
+
+def _value(value: Any, effect: str, name: str, where: str) -> tuple[float, float, float]:
+    if name not in EFFECTS[effect]:
+        raise ValueError(f"{where}: {effect} has {', '.join(EFFECTS[effect])}, not '{name}'")
+    if not isinstance(value, Mapping) or "value" not in value:
+        raise ValueError(f'{where}: {name}: an object like {{"value": 0.3, "interval": [0.2, 0.4]}}')
+    size = _number(value["value"], f"{where}: {name}")
+    if "interval" not in value:
+        return size, math.nan, math.nan
+    if not isinstance(value["interval"], list | tuple) or len(value["interval"]) != 2:
+        raise ValueError(f"{where}: {name}: interval: two numbers")
+    low, high = (_number(bound, f"{where}: {name}: interval", bound=True) for bound in value["interval"])
+    return size, low, high
+
+
+def _number(value: Any, where: str, bound: bool = False) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (bound or math.isfinite(value)):
+        raise ValueError(f"{where}: a number, not {value!r}")
+    return float(value)
+
+
+def _list(data: Mapping[str, Any], key: str, where: str) -> Sequence[Any]:
+    found = data.get(key, [])
+    if not isinstance(found, list | tuple):
+        raise ValueError(f"{where}: {key}: a list")
+    return found
+
+
+def read_answer(file: Path, drives: Sequence[str] | None = None) -> tuple[Answer, float]:
+    """An answer's file, and the seconds that it took; NaN where it does not say.
 
     Raises:
-        ValueError: as `from_json`.
+        ValueError: as `from_json`, or it is no JSON.
     """
-    data = json.loads(file.read_text("utf-8"))
-    return from_json(data, str(file)), float(data.get("seconds", math.nan))
+    data = read_json(file)
+    answer = from_json(data, str(file), drives)
+    clock, _ = (
+        _number(data.get(key, math.nan), f"{file}: {key}", bound=True)
+        for key in ("seconds", "processor_seconds")
+    )
+    return answer, clock

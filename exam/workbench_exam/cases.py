@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from .reading import read_json
 
 #: Signals of a recording, in the order of its columns.
 SIGNALS = ("position", "position_reference", "velocity", "torque_command", "torque_measured")
@@ -56,8 +57,19 @@ class Case:
 
 
 def read_case(folder: Path) -> Case:
-    """Reads a case's folder."""
-    known = json.loads((folder / "case.json").read_text("utf-8"))
+    """Reads a case's folder.
+
+    Raises:
+        ValueError: what it holds is not what the exam wrote.
+        FileNotFoundError: a file is missing.
+    """
+    try:
+        return _case(folder, read_json(folder / "case.json"))
+    except (KeyError, TypeError, IndexError, ValueError) as error:
+        raise ValueError(f"{folder}: damaged, make it again: {type(error).__name__}: {error}") from error
+
+
+def _case(folder: Path, known: Mapping[str, Any]) -> Case:
     law = known["controller"]
     return Case(
         folder,
@@ -75,8 +87,11 @@ def read_case(folder: Path) -> Case:
 
 def _recording(folder: Path, known: Mapping[str, Any], name: str) -> Recording:
     with (folder / name).open(newline="") as file:
-        header = next(csv.reader(file))
-        table = np.loadtxt(file, delimiter=",", ndmin=2)
+        header = next(csv.reader(file), [])
+        rows = file.readlines()
+    if not rows:
+        raise ValueError(f"{name} has no rows")
+    table = np.loadtxt(rows, delimiter=",", ndmin=2)
     columns = dict(zip(header, table.T, strict=True))
     signals = {}
     for signal in SIGNALS:

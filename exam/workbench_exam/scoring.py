@@ -19,7 +19,7 @@ def mark(
     """Marks of one answer, as JSON can hold them.
 
     Args:
-        told: the truth.
+        told: the truth, with the drives `one_body` (`twins.one_body`).
         answer: what is said.
         seconds: that it took.
         judged: errors on the motion that no solver saw, of `removed.judge`; None where no plant is there to
@@ -73,9 +73,7 @@ def _meant(each: Named, left: Mapping[Key, Any], as_true: bool, told: Mapping[st
         return each.effect, each.place
     twins = {"link_inertia_error": "reflected_inertia", "reflected_inertia": "link_inertia_error"}
     key = (twins.get(each.effect, ""), each.place)
-    if (
-        key in left and told["first_drive"] == each.place
-    ):  # about its first joint a link and its rotor are one
+    if key in left and each.place in told["one_body"]:  # there a link and its rotor turn as one
         return key
     return next((other for other in each.also if other in left), None) if as_true else None
 

@@ -11,6 +11,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from .reading import read_json
+
 #: The key of the open set, which hides nothing.
 OPEN_KEY = "open"
 
@@ -38,7 +40,7 @@ def unseal(sealed: dict[str, str], name: str, key: str) -> dict[str, Any]:
 
 def truth_of(folder: Path, key: str) -> dict[str, Any]:
     """The truth of a case's folder."""
-    return unseal(json.loads((folder / "sealed.json").read_text("utf-8")), folder.name, key)
+    return unseal(read_json(folder / "sealed.json"), folder.name, key)
 
 
 def _mixed(text: bytes, name: str, key: str) -> bytes:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -13,7 +15,7 @@ from .scoring import wilson
 Marks = Sequence[Mapping[str, Any]]
 _HEAD = (
     "solver", "cases right", "effects named", "false names", "nothing named where nothing is",
-    "strangers left alone", "Brier", "intervals that hold", "error removed", "s a case",
+    "strangers left alone", "Brier", "intervals that hold", "error removed", "processor s per case",
 )  # fmt: skip
 BINS = (0.0, 0.5, 0.8, 0.95, 1.0 + 1e-9)
 
@@ -37,9 +39,14 @@ def row(marks: Marks) -> dict[str, Any]:
         "sure": len(sure),
         "held": (sum(held), len(held)),
         "removed": median(removed) if removed else None,
-        "seconds": median(m["seconds"] for m in marks),
+        "seconds": median(m["processor_seconds"] for m in marks) if _timed(marks) else math.nan,
         "failed": sum("failed" in m for m in marks),
     }
+
+
+def _timed(marks: Marks) -> bool:
+    """Whether each answer says what processor time it took; other clocks go on while a solver waits."""
+    return all("processor_seconds" in m for m in marks)
 
 
 def reliability(marks: Marks) -> list[tuple[float, int, int]]:
@@ -54,15 +61,41 @@ def reliability(marks: Marks) -> list[tuple[float, int, int]]:
     return [(sum(p for p, _ in b) / len(b), sum(r for _, r in b), len(b)) for b in bins if b]
 
 
+def lines_of(solvers: Mapping[str, Marks]) -> str:
+    """JSON Lines: one line per solver and case."""
+    return "".join(
+        json.dumps({"solver": name, **each}) + "\n" for name, marks in solvers.items() for each in marks
+    )
+
+
+def read_lines(file: Path) -> dict[str, list[dict[str, Any]]]:
+    """Solver -> its marks, from such lines.
+
+    Raises:
+        ValueError: a line that is no mark, with its number.
+    """
+    solvers: dict[str, list[dict[str, Any]]] = {}
+    for number, line in enumerate(file.read_text("utf-8").splitlines(), 1):
+        try:
+            each = json.loads(line)
+            solvers.setdefault(each.pop("solver"), []).append(each)
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"{file}:{number}: no mark of a solver; `score --lines` writes them") from error
+    return solvers
+
+
 def table(solvers: Mapping[str, Marks]) -> str:
-    """A Markdown table; shares with their 95 % intervals."""
+    """A Markdown table; shares with their 95 % intervals. It says who answered fewer cases than others."""
+    most = max(map(len, solvers.values()), default=0)
     lines = ["| " + " | ".join(_HEAD) + " |", "|" + "---|" * len(_HEAD)]
     for name, marks in solvers.items():
         r = row(marks)
         brier = "-" if r["brier"] is None else f"{r['brier']:.3f} ({r['sure']})"
         removed = "-" if r["removed"] is None else f"{r['removed']:.2f}"
+        said = [f"{r['failed']} failed"] if r["failed"] else []
+        said += [f"answered {len(marks)}"] if len(marks) < most else []
         cells = [
-            name + (f" ({r['failed']} failed)" if r["failed"] else ""), _share(r["right"], True),
+            name + (f" ({', '.join(said)})" if said else ""), _share(r["right"], True),
             _share(r["named"], True), str(r["false"]), _share(r["clean"]), _share(r["strangers"]), brier,
             _share(r["held"]), removed, f"{r['seconds']:.3g}" if math.isfinite(r["seconds"]) else "-",
         ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -16,7 +17,7 @@ from workbench_exam.plants.draw import KINDS, draw, plan
 from workbench_exam.plants.drawn import true_plant
 from workbench_exam.plants.plant import with_effect
 from workbench_exam.plants.removed import judge
-from workbench_exam.plants.write import drawn_of, make, truth, write
+from workbench_exam.plants.write import drawn_of, truth, write
 from workbench_exam.run import answer_all
 from workbench_exam.scoring import mark
 from workbench_exam.seal import OPEN_KEY, seal, truth_of, unseal
@@ -25,7 +26,7 @@ from workbench_exam.vocabulary import EFFECTS, MEANING
 
 EXAM = Path(__file__).resolve().parents[2] / "exam"
 ARM = draw(0, "number", 0)  # an arm whose file has too little damping
-TOLD = {**truth(ARM), "first_drive": "yaw"}
+TOLD = {**truth(ARM), "one_body": ("yaw",)}
 RIGHT = Named("viscous_damping", "lift", {"damping": (1.06, 1.05, 1.07)}, 0.9)
 
 
@@ -53,13 +54,6 @@ def test_solvers_and_the_form_need_no_numba() -> None:
         "import workbench_exam.__main__, workbench_exam.run, workbench_exam.scoring\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": str(EXAM)})
-
-
-@pytest.fixture(scope="module")
-def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("cases") / "case-000"
-    write(make(60, 0, 0), folder, OPEN_KEY)
-    return folder
 
 
 def test_a_case_is_that_of_every_other_machine(case: Path) -> None:
@@ -178,7 +172,7 @@ def test_what_moves_as_the_truth_and_says_so_is_alike() -> None:
         assert mark(TOLD, Answer("missing_effect", (other,)), 1.0, judged)["named"][0]["is"] == how
 
 
-def test_about_its_first_joint_a_link_and_its_rotor_are_one() -> None:
+def test_where_a_link_turns_with_its_rotor_both_are_one() -> None:
     hidden = [{"effect": "reflected_inertia", "place": "yaw", "values": {"inertia": 0.1}, "shows": 5.0}]
     told = TOLD | {"hidden": hidden}
     link = Answer("missing_effect", (Named("link_inertia_error", "yaw"),))
@@ -227,10 +221,13 @@ def test_marks_of_a_baseline_are_those_of_every_other_machine(case: Path, tmp_pa
 
 
 def test_a_table_counts() -> None:
-    good = mark(TOLD, Answer("missing_effect", (RIGHT,)), 2.0, None)
-    bad = mark(TOLD, Answer("missing_effect", (Named("cogging", "yaw", {}, 0.6),)), 4.0, None)
+    good = mark(TOLD, Answer("missing_effect", (RIGHT,)), 9.0, None) | {"processor_seconds": 2.0}
+    bad = mark(TOLD, Answer("missing_effect", (Named("cogging", "yaw", {}, 0.6),)), 9.0, None)
+    assert math.isnan(row([good, bad])["seconds"])  # a clock on a wall is no measure of work
+    bad["processor_seconds"] = 4.0
     figures = row([good, bad])
     assert figures["right"] == (1, 2) and figures["named"] == (1, 2) and figures["seconds"] == 3.0
     assert figures["brier"] == pytest.approx((0.1**2 + 0.6**2) / 2)
     assert reliability([good, bad]) == [(0.6, 0, 1), (0.9, 1, 1)]
-    assert "| mine | 1 of 2 (9% to 91%) |" in table({"mine": [good, bad]})
+    text = table({"mine": [good, bad], "hasty": [bad]})
+    assert "| mine | 1 of 2 (9% to 91%) |" in text and "| hasty (answered 1) | 0 of 1" in text

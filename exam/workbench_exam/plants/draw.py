@@ -58,7 +58,7 @@ def draw(seed: int, kind: str, number: int) -> Drawn:
     """One case; what is hidden is drawn again until each of it shows, `TRIES` times at most."""
     turn = number + 3 * list(KINDS).index(kind) + seed % 7
     family = tuple(MACHINES)[turn % len(MACHINES)]
-    own = (seed * 1009 + list(KINDS).index(kind)) * 1009 + number
+    own = own_seed(seed, kind, number)
     best: Drawn | None = None
     for attempt in range(TRIES):
         rng = np.random.default_rng([own, attempt, 433])
@@ -75,6 +75,11 @@ def draw(seed: int, kind: str, number: int) -> Drawn:
     if best is None:
         raise ArithmeticError(f"no machine of {family} with seed {own} stays on its path")
     return best
+
+
+def own_seed(seed: int, kind: str, number: int) -> int:
+    """The seed of one case, which its truth states."""
+    return (seed * 1009 + list(KINDS).index(kind)) * 1009 + number
 
 
 def _least(drawn: Drawn) -> float:

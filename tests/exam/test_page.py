@@ -1,0 +1,42 @@
+"""The table of docs/benchmark.md is what the marks in exam/open-marks.jsonl say."""
+
+import json
+from pathlib import Path
+
+import pytest
+from workbench_exam.table import lines_of, read_lines, table
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "benchmark.md").read_text("utf-8").splitlines()
+MARKS = read_lines(ROOT / "exam" / "open-marks.jsonl")
+#: Marks of the answers that were given before a case was seen were not kept: its row stands as it was.
+FIRST = "| workbench, first answers |"
+
+
+def test_the_table_is_what_the_marks_say() -> None:
+    head, rule, *rows = table(MARKS).splitlines()
+    assert PAGE.count(head) == 1 and sum(line.startswith("| solver | cases right |") for line in PAGE) == 1
+    start = PAGE.index(head)
+    end = next(k for k in range(start, len(PAGE)) if not PAGE[k].startswith("|"))
+    assert PAGE[start + 1] == rule
+    shown = [line for line in PAGE[start + 2 : end] if not line.startswith(FIRST)]
+    assert shown == rows and len(shown) == end - start - 3
+
+
+def test_every_baseline_answered_the_same_cases() -> None:
+    files = (ROOT / "exam" / "baselines").glob("*.py")
+    solvers = {file.stem for file in files if "\ndef solve(" in file.read_text("utf-8")}
+    assert MARKS.keys() == solvers | {"workbench"}
+    for name, marks in MARKS.items():
+        # those that take minutes for a case may have the first ones only, and their row says so
+        assert [m["case"] for m in marks] == [f"case-{k:03d}" for k in range(24)][: max(len(marks), 8)], name
+        assert not any("failed" in m for m in marks), name
+
+
+def test_marks_are_the_same_when_read_back(tmp_path: Path) -> None:
+    file = tmp_path / "marks.jsonl"
+    file.write_text(lines_of(MARKS))
+    assert read_lines(file) == MARKS
+    file.write_text(json.dumps({"case": "case-000"}) + "\n")
+    with pytest.raises(ValueError, match=r"marks.jsonl:1: no mark of a solver"):
+        read_lines(file)
