@@ -44,7 +44,7 @@ def third_party(folder: str, *, guarded: bool = True) -> set[str]:
     """Distributions that a folder imports; without `guarded`, only those that it cannot do without."""
     own = {"workbench", "tests", *sys.stdlib_module_names}
     # scripts find what lies beside them
-    beside = ("benchmarks", "analyses", "exam")
+    beside = ("benchmarks", "analyses", "exam", "exam/baselines")
     own |= {entry.stem for scripts in beside for entry in (ROOT / scripts).iterdir()}
     files = (ROOT / folder).rglob("*.py")
     modules = {module.split(".")[0] for file in files for module in imported(file, guarded)} - own

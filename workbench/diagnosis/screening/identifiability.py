@@ -138,7 +138,8 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
     if unclear or np.ptp(sizes) < least:
         return ()
     effect = effect_named(entry.key.effect)
-    (name,) = (p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear)
+    shapes = effect.parameters.nonlinear
+    (name,) = (p.name for p in effect.parameters if p.name not in shapes and not p.optional)
     values = [effect.parameters.to_values(np.array([x]), entry.shape)[name] for x in sizes]
     return (Disagreement(tuple(names[: len(values)]), entry.key, tuple(map(float, values))),)
 
