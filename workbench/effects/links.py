@@ -30,7 +30,6 @@ class Link:
         along: unit vector from the hinge to the next joint, the payload or the centre of mass, square to the
             axis; `across`: a quarter turn about the axis from it.
         size: how far its mass may reach from the hinge [m].
-        carried: whether another axis moves it too.
         slides: whether its axis slides; then where its centre is acts on the axes before it alone.
         mass_alone: whether its mass does what no rotor does: another axis moves it, its slide lifts it, or
             its weight turns its hinge.
@@ -43,7 +42,6 @@ class Link:
     along: np.ndarray
     across: np.ndarray
     size: float
-    carried: bool
     slides: bool
     mass_alone: bool
 
@@ -201,7 +199,7 @@ def _link(
     off = float(np.linalg.norm(square[-2]))  # the centre of mass, from the axis
     weighs = not slides and float(np.linalg.norm(np.cross(gravity, axis))) * off > _NO_WAY
     return Link(
-        *(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried),
+        *(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size),
         *(slides, carried or lifted or weighs),
     )
 

@@ -179,7 +179,7 @@ def _options(linearisation: Linearisation, gap: EffectKey) -> list[_Option]:
     for entry in entries:
         at_motor = (entry.key.axis, entry.key.location) == (gap.axis, "actuator")
         torques: list[_Torque | None] = []
-        for number, low, high in zip(entry.linear, *limits_of(linearisation, entry), strict=True):
+        for number, low, high in zip(entry.linear, *limits_of(linearisation.model, entry), strict=True):
             rows = tuple(t[:, place.index] for t in columns[number].torque[: linearisation.data.training])
             torque = _Torque(at_motor, rows, (low, high))
             torques.append(torque if torque.size > least else None)

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.core import EffectKey, Recording
 from workbench.effects import effect_named
-from workbench.models import Placement
+from workbench.models import Model, Placement
 
 from ..data import Data
 from ..fitting.bounded_least_squares import solve
@@ -40,10 +40,10 @@ class Entry:
         return self.alike or (self,)
 
 
-def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
-    """Return physical bounds of an entry's coefficients."""
-    place = Placement.of(linearisation.model, entry.key)
-    bounds = effect_named(entry.key.effect).parameters.bounds(linearisation.model, place, entry.shape)
+def limits_of(model: Model, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
+    """Return physical bounds of an entry's coefficients in a model."""
+    place = Placement.of(model, entry.key)
+    bounds = effect_named(entry.key.effect).parameters.bounds(model, place, entry.shape)
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
 
 
@@ -53,7 +53,7 @@ def bounds_of(
     """Physical bounds of the coefficients of entries, after the first `kept` unknowns, which have none."""
     limits = [
         (np.full(kept, -np.inf), np.full(kept, np.inf)),
-        *(limits_of(linearisation, e) for e in entries),
+        *(limits_of(linearisation.model, e) for e in entries),
     ]
     return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
 

@@ -14,12 +14,12 @@ import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect, Model, Placement
+from workbench.models import AppliedEffect, Model
 
 from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
 from ..policy import POLICY
-from .equations import Entry
+from .equations import Entry, limits_of
 from .ground_effects import unobservable_effects
 from .linear_problem import Linear, columns_of
 from .sensitivity import Linearisation
@@ -103,12 +103,11 @@ def inseparable(linear: Linear, applied: AppliedEffect, model: Model) -> tuple[E
 def _can_replace(other: Entry, own: Entry, coefficients: np.ndarray, linear: Linear, model: Model) -> bool:
     """Return whether the size with which one effect would replace another is physically possible.
 
-    Where a file states no rotor, none can be smaller, and what a link's inertia is too large is no rotor's.
+    Where a file states no rotor, none can be smaller: an inertia that is too large is the link's.
     """
     if not (other.linear and own.linear):
         return True
-    effect, place = effect_named(other.key.effect), Placement.of(model, other.key)
-    low, high = (b[: len(other.linear)] for b in effect.parameters.bounds(model, place, other.shape))
+    low, high = limits_of(model, other)
     doubt = POLICY.significant * np.sqrt(np.diag(linear.covariance(other.linear)))
     size = linear.replacement(own.linear, coefficients, other.linear)
     return bool(((low - doubt <= size) & (size <= high + doubt)).all())

@@ -98,7 +98,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
         folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
     test_rows = range(data.training, len(rows)) if data.tests_on_holdout else ()
     held = [_by_axis(pieces[i], residuals[i]) for i in test_rows]
-    limits = {entry: limits_of(linearisation, entry) for entry in (*entries, *gains)}
+    limits = {entry: limits_of(linearisation.model, entry) for entry in (*entries, *gains)}
     return Regression(
         linearisation,
         tuple(entries),
