@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
-from .adequacy.imitations import imitate_another_law, share_a_law
+from .adequacy.adequacy import adequacies
+from .adequacy.imitations import imitate_another_law
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
-from .problem import Problem
+from .problem import Problem, evaluated
 
 UNEXPLAINED, CERTAIN, EXPLAINED = range(3)  #: standings of nodes, see `standing`
 
@@ -58,16 +59,26 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
 def may_be_named(node: Node, problem: Problem) -> bool:
     """Return whether the effects of a node may be named if they explain the recordings.
 
-    Where more than noise is left they may be what the curve of another law looks like.
+    Where more than noise is left, each has to be the law of its quantities, and not merely close to it.
     """
-    return node.may_be_named and (node.done or not imitates(node, problem))
+    return node.may_be_named and (node.done or are_the_laws(node, problem))
 
 
-def imitates(node: Node, problem: Problem) -> bool:
-    """Return whether effects of a node follow the curve of another law along the measured motion."""
-    added = node.current.hypothesis.added
-    along = problem.inverse_dynamics if share_a_law(added) else None
-    return along is not None and imitate_another_law(added, along[2])
+def are_the_laws(node: Node, problem: Problem) -> bool:
+    """Return whether the effects of a node explain what free functions of their quantities explain, and do not
+    follow the curve of another law.
+
+    Only torques along the measured motion can be asked. A joint solution was asked when it was found.
+    """
+    along, added = problem.inverse_dynamics, node.current.hypothesis.added
+    if node.jointly or along is None or not node.keys <= {e.key for e in along[2].entries}:
+        return True
+    data, start, regression = along
+    if imitate_another_law(added, regression):
+        return False
+    model = node.current.hypothesis
+    found = evaluated(model, data.run([model.model])[0], data)
+    return all(a.is_adequate for a in adequacies(found, start, data).values())
 
 
 def _named(node: Node, stands: int, problem: Problem) -> int:

@@ -15,7 +15,7 @@ from .explore import explore
 from .loss import explained, median_explained
 from .moves.joint_solution import solve_jointly
 from .node import Node, is_consistent
-from .node_acceptance import imitates
+from .node_acceptance import are_the_laws
 from .policy import POLICY
 from .problem import Problem, Progress, starting_fit
 from .screening.identifiability import disagreements, identifiability_of
@@ -106,7 +106,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         node.jointly,
         None if only_jointly else problem.linear,
         trace,
-        not (done or only_jointly) and imitates(node, problem),
+        done or only_jointly or are_the_laws(node, problem),
     )
 
 

@@ -94,8 +94,8 @@ class SearchResult:
     are certain although something else is missing; `near` those that help beside them and are not certain.
     `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
     other, before any search. `jointly`: whether all axes were solved together.
-    `linear`: the linear problem of all effects that this is read off. `trace`: what was tried. `imitates`:
-    whether the effects look like the curve of another law.
+    `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
+    `are_the_laws`: whether the effects are not merely close to the laws of what is missing.
     """
 
     model: Model
@@ -115,7 +115,7 @@ class SearchResult:
     jointly: bool = False
     linear: Linear | None = None
     trace: tuple[Tried, ...] = ()
-    imitates: bool = False
+    are_the_laws: bool = True
 
     @property
     def stopped(self) -> Stopped:

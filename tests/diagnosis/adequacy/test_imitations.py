@@ -10,8 +10,10 @@ import pytest
 from tests.bench_arm import FAST, SLOW, bench_arm, logged
 from tests.diagnosis.rig import asked
 from workbench.core import EffectKey
-from workbench.diagnosis.adequacy.imitations import imitate_another_law, imitations, share_a_law
+from workbench.diagnosis.adequacy.imitations import imitate_another_law, imitations
 from workbench.diagnosis.moves.joint_fit import certain_of, fit_of_selection
+from workbench.diagnosis.node import Node
+from workbench.diagnosis.node_acceptance import are_the_laws
 from workbench.diagnosis.screening.selection import selection_of
 from workbench.effects import load_model
 
@@ -39,10 +41,24 @@ def test_less_than_nothing_of_one_law_is_the_curve_of_another(tmp_path: Path, re
     found = fit_of_selection(regression, chosen, start, data)
     assert found is not None and found.hypothesis.keys == {DAMPING, DRAG}
     assert imitations(regression, chosen.chosen, found.hypothesis.free) == told
-    assert share_a_law(found.hypothesis.free) and not share_a_law(found.hypothesis.free[:1])
     assert imitate_another_law(found.hypothesis.free, regression) == bool(told)
     certain = certain_of(regression, start, data)
     assert certain is not None and (not told or not certain.known.keys() & told)
+
+
+@pytest.mark.parametrize("resisting", [cubic, quadratic])
+def test_what_is_close_to_a_law_is_not_that_law(tmp_path: Path, resisting) -> None:
+    """Quadratic drag explains most of a cubic friction, and a free curve over speed explains plainly more."""
+    machine = bench_arm(tmp_path)
+    logs = [logged(machine, t, seconds=5.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
+    problem = asked(load_model(machine), logs)
+    assert problem.inverse_dynamics is not None
+    data, start, regression = problem.inverse_dynamics
+    keys = {DRAG} if resisting is cubic else {DAMPING, DRAG}
+    chosen = selection_of(tuple(e for e in regression.entries if e.key in keys), regression)
+    found = fit_of_selection(regression, chosen, start, data)
+    assert found is not None and found.hypothesis.keys == keys
+    assert are_the_laws(Node(found, problem.data), problem) == (resisting is quadratic)
 
 
 def test_one_more_harmonic_is_solved_without_its_bounds(tmp_path: Path) -> None:

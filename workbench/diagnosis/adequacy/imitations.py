@@ -7,7 +7,6 @@ the model has not so much damping to be taken off, no machine has these numbers.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -41,11 +40,6 @@ def imitations(
         if len(law) > 1 and any(_wants_more(each, here, regression, fitted[each.key]) for each in law)
         for e in law
     )
-
-
-def share_a_law(added: Sequence[AppliedEffect]) -> bool:
-    """Return whether two of some effects are torques of the same quantities in one place."""
-    return any(_of_one_law(a.key, b.key) for a, b in combinations(added, 2))
 
 
 def imitate_another_law(added: Sequence[AppliedEffect], regression: Regression) -> bool:
