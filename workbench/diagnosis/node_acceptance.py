@@ -65,8 +65,8 @@ def may_be_named(node: Node, problem: Problem) -> bool:
 
 
 def are_the_laws(node: Node, problem: Problem) -> bool:
-    """Return whether the effects of a node explain what free functions of their quantities explain, and do not
-    follow the curve of another law.
+    """Return whether the effects of a node explain what free functions of their quantities explain, and
+    follow no other law's curve.
 
     Only torques along the measured motion can be asked. A joint solution was asked when it was found.
     """
