@@ -68,7 +68,6 @@ NUMBERS = [
     ("policy", "something", percent, "of {} or more, only that there is something"),
     ("policy", "replacement_close", times, "it left less than {} as much"),
     ("policy", "merge_size", part, "at most {} as many parameters"),
-    ("policy", "torque_plain", part, "it leaves at most {} of the squared residual torque"),
     ("policy", "torque_first", percent, "it leaves no more than {} of the squared residual torque"),
     ("policy", "budget_runs", count, "each recording at least {} times"),
     ("policy", "holdout_informative", times, "a squared error less than {} the noise's"),

@@ -137,11 +137,6 @@ def improves(found: Fit, current: Fit, excess: float) -> bool:
     )
 
 
-def explains_training(found: Fit, current: Fit, excess: float) -> bool:
-    """Return whether most of the excess training loss is gone."""
-    return current.training_loss - found.training_loss > POLICY.most_of_excess * excess
-
-
 def contradicts_holdout(found: Fit, data: Data) -> bool:
     """Return whether the held-out error is far above that of a perfect model."""
     return data.held_out and _off_held_out(found, data) > POLICY.holdout_contradicts

@@ -34,12 +34,10 @@ class Growth:
 
     Attributes:
         most: number of effects to add; None: as many as the problem allows.
-        basics_first: inertia, damping and Coulomb friction before others that explain somewhat more.
         through_divergence: go on where trajectories diverge; the divergence is then measured at the end.
     """
 
     most: int | None = None
-    basics_first: bool = True
     through_divergence: bool = False
 
 

@@ -58,7 +58,6 @@ class Policy:
     basic_share: float = 0.75  # share of the best gain with which basic effects go first; refinements
     far_worse: float = 4.0  # error over another's, with which a form is out; basic and plain ones stay
     test_blind: float = 1.25  # ratio of test errors that fitted ones may overrule; more refinements
-    much_less: float = 1.25  # ratio of rests with which a refinement was passed over; fewer new starts
     chance_gain: float = 2.0  # error over a wider form's, up to which a special case will do; plainer
     pair_rival: float = 1.5  # fitted error over the best pair's, up to which one is a rival; more rivals
     replacement_close: float = 2.5  # test error over a cause's, of others tried in its place; more work
@@ -74,7 +73,6 @@ class Policy:
     next_best_doubt: float = 0.5  # probability lost where the next explanation does as well; less sure names
     next_best_decay: float = 8.0  # how fast that goes with the relative error of the next; surer names
     rival_doubt: float = 0.25  # weight of rivals in the probability, times their number²; less sure names
-    plain_parameters: int = 2  # parameters up to which no early effect is doubted; fewer new starts
     ground_error: float = 1.5  # rms error / noise up to which names stand on the ground; more names
 
     # Screening
@@ -103,7 +101,6 @@ class Policy:
     compliance_more: float = 0.95  # what one more spring leaves over what was left; more springs
     compliance_simulated: float = 3.0  # screened error over the best rigid fit's, to be simulated; more
     torque_first: float = 0.03  # what one leaves that goes before all other starts; more go first
-    torque_plain: float = 0.25  # what one leaves that is taken before any loop; bolder starts
     gap_effects: int = 4  # effects that come with a gap, at most; more of them
     gap_effect_left: float = 0.8  # what one more of these leaves over what was left; more of them
     gap_simpler: float = 1.15  # what it leaves over the least, up to which simpler ones win; simpler
@@ -179,8 +176,6 @@ class Policy:
     onset_simulated: int = 2  # fits of these that are asked how friction sets in
     compliance_candidates: int = 4  # gaps and soft joints that are simulated
     pair_values: float = 3e8  # numbers in the responses of all effects, that fit into memory; else no pairs
-    pairs_solved: int = 300  # pairs that are solved within bounds
-    pairs_simulated: int = 6  # pairs that are simulated
     sets_simulated: int = 4  # sets on every axis that are simulated
     doubted_singly: int = 3  # least certain effects that are left out one at a time, beside many at once
     replacements: int = 3  # others that are tried in place of a cause

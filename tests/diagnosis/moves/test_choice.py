@@ -9,14 +9,14 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.data import Data
-from workbench.diagnosis.moves.choice import better_refinement, choose
+from workbench.diagnosis.moves.choice import choose
 from workbench.diagnosis.screening.candidate import Candidate
 from workbench.effects import load_model
 
 _PLAIN, _REFINED = EffectKey("coulomb_friction", "knee"), EffectKey("presliding_hysteresis", "knee")
 
 
-def taken(plain: float, refined: float, basics_first: bool) -> EffectKey:
+def taken(plain: float, refined: float) -> EffectKey:
     """Of friction that leaves `plain` of 100, and its refinement, by itself the noise being 1."""
     recordings = (SimpleNamespace(valid=np.ones(10, bool)),)
     squares = np.ones((1, 2, 1))
@@ -25,30 +25,16 @@ def taken(plain: float, refined: float, basics_first: bool) -> EffectKey:
         (Candidate(key, np.zeros(0), {}, left), SimpleNamespace(test_loss=left, training_loss=left))
         for key, left in ((_PLAIN, plain), (_REFINED, refined))
     ]
-    return choose(helpful, (), 100.0, data, load_model("leg"), basics_first)[0].key  # type: ignore[arg-type]
+    return choose(helpful, (), 100.0, data, load_model("leg"))[0].key  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
-    ("plain", "refined", "first", "else_first"),
+    ("plain", "refined", "first"),
     [
-        (30.0, 15.0, _PLAIN, _REFINED),  # something else may be missing that makes the difference
-        (60.0, 15.0, _REFINED, _REFINED),
-        (1.1, 1.1, _PLAIN, _PLAIN),  # a tie is the simpler one's, whichever goes first
+        (30.0, 15.0, _PLAIN),  # something else may be missing that makes the difference
+        (60.0, 15.0, _REFINED),
+        (1.1, 1.1, _PLAIN),  # a tie is the simpler one's
     ],
 )
-def test_basic_effects_go_first_unless_told_otherwise(
-    plain: float, refined: float, first: EffectKey, else_first: EffectKey
-) -> None:
-    assert taken(plain, refined, basics_first=True) == first
-    assert taken(plain, refined, basics_first=False) == else_first
-
-
-def test_a_refinement_that_left_much_less_is_remembered() -> None:
-    assert better_refinement(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)]) == _REFINED
-    assert better_refinement(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)]) == _REFINED
-    assert not better_refinement(_PLAIN, [(_REFINED, 0.75), (_PLAIN, 0.70)])
-    assert not better_refinement(_REFINED, [(_REFINED, 0.70), (_PLAIN, 0.85)]), (
-        "it was the basic one that was left"
-    )
-    assert not better_refinement(_PLAIN, [(EffectKey("viscous_damping", "hip"), 0.9), (_PLAIN, 0.70)])
-    assert not better_refinement(_PLAIN, ())
+def test_basic_effects_go_first(plain: float, refined: float, first: EffectKey) -> None:
+    assert taken(plain, refined) == first

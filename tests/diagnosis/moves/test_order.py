@@ -13,9 +13,7 @@ from workbench.rigs import HiddenEffect
 from ..rig import applied, asked, node_with, recordings
 
 LEG = load_model("leg")
-DAMPING, FRICTION, LAW = (
-    EffectKey(effect, "knee") for effect in ("viscous_damping", "coulomb_friction", "asymmetric_friction")
-)
+DAMPING, FRICTION = (EffectKey(effect, "knee") for effect in ("viscous_damping", "coulomb_friction"))
 _SIMPLER = {"without effects that are no longer needed", "a special case in place of a refinement"}
 
 
@@ -32,8 +30,7 @@ def test_at_the_noise_only_simpler_models_are_asked_for() -> None:
     wrong = node_with(problem, applied(LEG, FRICTION, torque=0.1), move=ONE_BY_ONE)
     starts = wanted(wrong, problem)
     assert {
-        "one cause on every axis, tried again",
-        "two causes at once",
+        "one cause on every axis",
         "a gap or soft joint that explains the residual torque",
     } <= starts
     assert "one cause in place of two" not in starts, "what explains less is not named"
@@ -42,17 +39,6 @@ def test_at_the_noise_only_simpler_models_are_asked_for() -> None:
 def test_a_root_asks_for_effects_one_by_one() -> None:
     problem = asked(LEG, *recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3})))
     assert wanted(Node(problem.start, problem.data), problem) >= {ONE_BY_ONE}
-
-
-def test_the_refinement_that_a_basic_effect_went_before_is_begun_with_once() -> None:
-    law = {"torque_positive": 0.5, "torque_negative": 0.1, "damping_positive": 0.1, "damping_negative": 0.02}
-    problem = asked(LEG, *recordings(HiddenEffect("asymmetric_friction", "knee", parameters=law)))
-    node = node_with(
-        problem, applied(LEG, FRICTION, torque=0.3), move=ONE_BY_ONE, ranking=((LAW, 0.99), (FRICTION, 0.6))
-    )
-    (begun,) = restarts.a_refinement(node, problem)
-    assert begun.bold and not begun.steps and begun.growth is not None and not begun.growth.basics_first
-    assert not list(restarts.a_refinement(node, problem)), "nothing is begun twice"
 
 
 def test_a_gap_that_the_torque_shows_is_a_bold_start() -> None:

@@ -9,7 +9,6 @@ from workbench.effects import contains
 from workbench.report.wording import effect_phrase
 
 from ..acceptance import (
-    explains_training,
     holdout_insensitive,
     improves,
     improves_residual,
@@ -64,7 +63,7 @@ def _may_grow(node: Node, how: Growth, begun: int, problem: Problem) -> bool:
     # the residual of diverging trajectories says nothing about a further effect
     if node.diverges and len(node.steps) > begun and not how.through_divergence:
         return False
-    new = problem.is_new(node.keys, how.basics_first, how.through_divergence)
+    new = problem.is_new(node.keys, how.through_divergence)
     return new or not node.bold  # where a bold start comes to is known already
 
 
@@ -75,7 +74,7 @@ def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None
     linearisation, screened = (
         screened_at(current, data, problem) if later else (problem.linearisation, problem.screened)
     )
-    take = partial(next_step, progress=problem.progress, later=later, basics_first=how.basics_first)
+    take = partial(next_step, progress=problem.progress, later=later)
     step = take(linearisation, screened, current, data)
     if step is None and holdout_insensitive(current, data):
         # held-out motion may never show what is missing (a torque limit, for one)
@@ -108,37 +107,32 @@ def next_step(
     progress: Progress,
     *,
     later: bool = False,
-    provisional: bool = False,
-    basics_first: bool = True,
 ) -> AcceptedStep | None:
     """Return the next accepted step; None if no candidate is accepted.
 
     What the model file itself states (its drives' inertia behind the transmission, a linkage that was
     identified) has no free parameter and cannot overfit: it comes first. Then basic effects, then
     refinements, unless simpler ones have reached the noise.
-
-    A `provisional` step takes the effect that explains most of the training error, whatever the folds say:
-    causes that are still missing may turn folds against it. Only the result of later steps can justify it.
     """
     fitted = {a.key for a in current.hypothesis.free}
     new = tuple(c for c in candidates if c.key not in fitted)
     at = SearchState(linearisation, new, current, data, later, progress)
-    tried, enough = try_in_order(at), explains_training if provisional else improves
+    tried = try_in_order(at)
     helpful = [
         (c, f)
         for c, f in tried
-        if enough(f, current, at.excess) and lowers_error(f, current, data) and identifiable(linearisation, f)
+        if improves(f, current, at.excess)
+        and lowers_error(f, current, data)
+        and identifiable(linearisation, f)
     ]
-    step = _step(helpful, tried, at, basics_first) if helpful else None
+    step = _step(helpful, tried, at) if helpful else None
     return None if step is None or cancel_each_other(linearisation, step.fit) else step
 
 
-def _step(
-    helpful: list[Explanation], tried: list[Explanation], at: SearchState, basics_first: bool
-) -> AcceptedStep:
+def _step(helpful: list[Explanation], tried: list[Explanation], at: SearchState) -> AcceptedStep:
     """The step with the best candidate that may be named, without the effects that it makes needless."""
     linearisation, model, data, before = at.linearisation, at.linearisation.model, at.data, at.current
-    best = choose(helpful, at.parameter_free, before.test_loss, data, model, basics_first)
+    best = choose(helpful, at.parameter_free, before.test_loss, data, model)
     candidate, found = special_case(linearisation, *best[:2], helpful, data)
     key = candidate.key
     wider = named_beside(linearisation, at.candidates, candidate, found, before, data)

@@ -25,7 +25,7 @@ from ..screening.candidate import Candidate
 from ..screening.equations import Entry, limits_of
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
-from .pairs import may_stand_together
+from .choice import may_stand_together
 
 _PROBE_STEP = 0.005  # of the load: the size of a torque in a difference
 _GAP_STEP = 0.01  # of a gap and its stiffness

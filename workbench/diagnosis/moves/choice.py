@@ -29,12 +29,11 @@ def choose(
     before: float,
     data: Data,
     model: Model,
-    basics_first: bool = True,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """Return the best explanation and those indistinguishable from it; among equals, the one with fewest
     parameters.
 
-    Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
+    Inertia, damping and Coulomb friction go before others that explain somewhat more.
     """
     floor = test_noise_floor(data)
     helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
@@ -54,8 +53,7 @@ def choose(
     basic = [
         (c, f)
         for c, f in helpful
-        if basics_first
-        and effect_named(c.key.effect).search.basic
+        if effect_named(c.key.effect).search.basic
         and cost(c) <= cost(top)
         and before - f.test_loss > POLICY.basic_share * (before - most)
         and not (most < POLICY.near_noise * floor and f.test_loss > POLICY.far_worse * most)
@@ -90,18 +88,6 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
     )
 
 
-def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
-    """Return the refinement that leaves much less error than the basic effect that was taken; None if there
-    is none.
-    """
-    others = [(share, key) for key, share in ranking if not effect_named(key.effect).search.basic]
-    if not others or not effect_named(added.effect).search.basic:
-        return None
-    most, best = max(others, key=lambda sk: sk[0])
-    left = 1.0 - dict(ranking).get(added, 1.0)
-    return best if left > POLICY.much_less * max(1.0 - most, 0.0) else None
-
-
 def simplest_first(found: Sequence[tuple[_T, Fit]], data: Data, worth: float) -> list[tuple[_T, Fit]]:
     """Return explanations by test loss; those that tie with the best are sorted by number of parameters.
 
@@ -131,3 +117,14 @@ def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) 
 def same_cause(one: EffectKey, other: EffectKey) -> bool:
     """Return whether two effects are the same, or two forms of the same cause."""
     return one.same_place(other) or contains(one, other) or contains(other, one)
+
+
+def may_stand_together(one: EffectKey, other: EffectKey) -> bool:
+    """Whether two effects are neither two forms of one cause nor dry frictions that share a stiction."""
+    if one == other or contains(one, other) or contains(other, one):
+        return False
+    return not (
+        kinds.is_dry(effect_named(one.effect))
+        and kinds.is_dry(effect_named(other.effect))
+        and one.axis == other.axis
+    )

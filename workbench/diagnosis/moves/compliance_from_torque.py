@@ -26,9 +26,7 @@ _ROUNDS = 12  # of a fit of backlash with others: derivatives of diverging traje
 _FEW = 3  # iterations of an intermediate fit
 
 
-def compliance_from_torque(
-    at: Node, problem: Problem, least: float = 0.0, most: float = 1.0
-) -> tuple[AcceptedStep, ...]:
+def compliance_from_torque(at: Node, problem: Problem, most: float = 1.0) -> tuple[AcceptedStep, ...]:
     """Return steps with the spring or backlash that explains most of the inverse-dynamics residual; otherwise
     none.
 
@@ -39,14 +37,14 @@ def compliance_from_torque(
     Args:
         at: the model so far.
         problem: what is searched.
-        least, most: bounds of the share of the residual torque that it leaves.
+        most: share of the residual torque that it may leave.
 
     Returns:
         One step an effect, without its own data and runs; none where no compliance explains enough.
     """
     data, start, linearisation = at.data, at.current, linearisation_at(at.current, at.data, problem)
     known = compliance_candidates(linearisation, 1.0, start.hypothesis.free)
-    if not known or not least <= known[0].test_loss <= most:
+    if not known or known[0].test_loss > most:
         return ()
     plain, *others = known
     problem.progress(f"starting from {effect_phrase(plain.key)}, which the torque suggests")

@@ -11,13 +11,12 @@ from ..node import Growth, Node, explains_data
 from ..node_acceptance import EXPLAINED, may_be_named, standing
 from ..policy import POLICY
 from ..problem import Problem
-from ..screening.compliance import other_causes
 from . import restarts
 from .grid_refinement import with_refined_gap
 from .joint_solution import of_all_axes, one_effect_may_suffice
 from .merge import merged
 from .replace import replaced
-from .simplify import simplified, without_needless, without_needless_start
+from .simplify import simplified, without_needless
 
 
 @dataclass(frozen=True)
@@ -39,11 +38,6 @@ class Move:
 
 
 ONE_BY_ONE = "add one effect at a time"  #: what other starts are held against
-_ALIKE = ("one cause on every axis", "one cause on every axis, tried again")
-_BESIDE_ALIKE = "more effects beside one cause on every axis"
-_TWO_AT_ONCE = "two causes at once"
-_LIKELY_COMPLIANCE = "a gap or soft joint that may explain the residual torque"
-_FROM_TRAINING = "the effect that explains most of the fitted recordings"
 
 
 def _grown(node: Node, problem: Problem) -> Iterator[Node]:
@@ -56,12 +50,6 @@ def _grown(node: Node, problem: Problem) -> Iterator[Node]:
 def _first(node: Node, best: Node, problem: Problem) -> bool:
     """Return True, unless effects shared by all axes already explain the recordings to the noise."""
     return not node.move and (not best.steps or best.jointly or _may_be_wrong(best, problem))
-
-
-def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
-    """Whether no single effect explains the recordings: drives of one design may miss the same effect."""
-    several = not node.move and problem.limit > 1 and standing(best, problem) < EXPLAINED
-    return several and not one_effect_may_suffice(problem)
 
 
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
@@ -101,31 +89,6 @@ def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
     return not on_one_axis or _may_be_wrong(best, problem)
 
 
-def _beside_alike(node: Node, best: Node, problem: Problem) -> bool:
-    return node.move in _ALIKE and problem.limit > 1 and standing(best, problem) < EXPLAINED
-
-
-def _best_from_set(node: Node, best: Node, problem: Problem) -> bool:
-    """Return whether effects were added after a set of effects: rotors can stand in for a load until the load
-    is found.
-    """
-    return node is best and node.move in (_BESIDE_ALIKE, _TWO_AT_ONCE) and len(node.steps) > 2
-
-
-def _above_noise_after_all(node: Node, best: Node, problem: Problem) -> bool:
-    several = problem.limit > 1 and node.move in (ONE_BY_ONE, _LIKELY_COMPLIANCE, _FROM_TRAINING)
-    return several and _may_be_wrong(best, problem)
-
-
-def _unexplained_or_ambiguous(node: Node, best: Node, problem: Problem) -> bool:
-    """Return whether nothing explains the recordings, or an early effect may be wrong and later ones may
-    correct it.
-    """
-    if not _is_plain(node, problem):
-        return False
-    return standing(best, problem) < EXPLAINED or (node is best and _is_ambiguous(node, problem))
-
-
 def _best(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether this node comes from forward selection and is the best."""
     return node is best and bool(node.steps) and not node.jointly
@@ -156,30 +119,15 @@ def _may_be_wrong(best: Node, problem: Problem) -> bool:
     return not best.done and not near_noise_floor(best.current, best.data)
 
 
-def _is_ambiguous(node: Node, problem: Problem) -> bool:
-    model, more = problem.start.hypothesis.model, node.size > POLICY.plain_parameters
-    return more and any(
-        other_causes(model, step.added, step.indistinguishable_at(node.current)) for step in node.steps[:-1]
-    )
-
-
 MOVES = (
     Move("all axes together", of_all_axes, _jointly_first, cheap=True),
-    Move(_ALIKE[0], restarts.on_all_axes, _alike_first),
     Move(ONE_BY_ONE, _grown, _first),
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that explains the residual torque", restarts.clear_compliance, _above_noise),
-    Move("the effects that the fitted recordings alone suggest", restarts.on_training, _unexplained),
-    Move(_ALIKE[1], restarts.on_all_axes, _on_axes_not_at_noise),
-    Move(_BESIDE_ALIKE, _grown, _beside_alike),
-    Move(_TWO_AT_ONCE, restarts.two_at_once, _unexplained_or_ambiguous),
+    Move("one cause on every axis", restarts.on_all_axes, _on_axes_not_at_noise),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
-    Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),
-    Move(_LIKELY_COMPLIANCE, restarts.likely_compliance, _unexplained),
-    Move(_FROM_TRAINING, restarts.what_training_shows, _unexplained),
     Move("another cause in place of one", replaced, _best_above_noise),
     Move("one cause in place of two", merged, _best_explains),
-    Move("without effects that a start had in place of others", without_needless_start, _best_from_set),
     Move("without effects that are no longer needed", without_needless, _best, cheap=True),
     Move("a special case in place of a refinement", simplified, _best, cheap=True),
     Move("all axes together, tried again", of_all_axes, _jointly_last, cheap=True),

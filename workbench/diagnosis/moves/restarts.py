@@ -10,22 +10,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from workbench.core import Recording
-from workbench.report.wording import effect_phrase
 from workbench.simulation import scored_torque
 
-from ..acceptance import holdout_insensitive, near_noise_floor
 from ..fitting.fit import fit
 from ..fitting.refinement import converged
-from ..loss import rescored
-from ..node import Growth, Node, explains_data, node_after, screened_at, with_steps
+from ..node import Growth, Node, node_after, with_steps
 from ..policy import POLICY
 from ..problem import Problem
-from ..screening.screen import screen
 from ..search_result import AcceptedStep
-from .add import grown, next_step
-from .choice import better_refinement
+from .add import grown
 from .compliance_from_torque import compliance_from_torque
-from .pairs import best_pair
 from .shared_effects import shared_effects
 
 _PLAIN, _THROUGH = Growth(), Growth(through_divergence=True)
@@ -39,28 +33,8 @@ def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
     """
     for count in range(len(node.steps) + 1):
         at = node_after(node.steps[:count], problem)
-        steps = compliance_from_torque(at, problem, 0.0, POLICY.torque_first)
+        steps = compliance_from_torque(at, problem, POLICY.torque_first)
         yield from _begun(at, steps, problem, _THROUGH, wide=False)
-
-
-def likely_compliance(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return a compliance that explains most of the inverse-dynamics residual of the model as given."""
-    at = node_after((), problem)
-    steps = compliance_from_torque(at, problem, POLICY.torque_first, POLICY.torque_plain)
-    yield from _begun(at, steps, problem, _THROUGH, wide=False)
-
-
-def on_training(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return a first effect chosen by cross-validation, if the held-out motion is insensitive."""
-    data, start = problem.data, problem.start
-    if not holdout_insensitive(start, data):
-        return
-    problem.progress("starting from what the fitted recordings show")
-    by_folds = data.cross_validated()
-    screened = screen(problem.linearisation, by_folds)
-    at = rescored(start, by_folds)
-    step = next_step(problem.linearisation, screened, at, by_folds, problem.progress)
-    yield from _begun(node_after((), problem), (step,) if step else (), problem)
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
@@ -74,11 +48,6 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
     steps = shared_effects(problem)
     if steps:
         yield with_steps(node_after((), problem), steps, problem.seed)
-
-
-def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return the best pair of effects: the best first step may be neither of them."""
-    yield from _begun(node_after((), problem), best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
@@ -113,40 +82,6 @@ def _holds(recording: Recording) -> bool:
     """Return whether a loop holds all axes to their reference."""
     loop = recording.controller
     return loop.kind != "none" and all(loop.kp)
-
-
-def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return the step where a basic effect was taken although a refinement left much less error.
-
-    An inertia and a weight explain most of what a wrong torque constant and an encoder offset cause.
-    Refinements that came later anyway are not begun with where the data are explained.
-    """
-    known = node.keys if explains_data(node, problem) else frozenset()
-    for k, step in enumerate(node.steps):
-        before = node_after(node.steps[:k], problem)
-        better = better_refinement(step.added, step.ranking)
-        if better is None or better in known or not problem.is_new("refinement", before.keys, step.added):
-            continue
-        problem.progress(f"starting again from the step that added {effect_phrase(step.added)}")
-        yield before.begun(growth=replace(_THROUGH, basics_first=False), bold=True)
-        return
-
-
-def what_training_shows(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return the effect that explains most of the remaining training error, whatever the folds say.
-
-    Where several causes are missing, one of them alone may raise the error on held-out recordings.
-    """
-    current, by_folds = node.current, node.data.cross_validated()
-    if near_noise_floor(current, node.data):
-        return
-    problem.progress("trying the effect that explains most of the fitted recordings")
-    linearisation, screened = screened_at(current, by_folds, problem)
-    before, later = rescored(current, by_folds), bool(node.steps)
-    step = next_step(
-        linearisation, screened, before, by_folds, problem.progress, later=later, provisional=True
-    )
-    yield from _begun(node, (step,) if step else (), problem, _THROUGH, wide=False)
 
 
 def _begun(

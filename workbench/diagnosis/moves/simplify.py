@@ -11,7 +11,7 @@ from itertools import combinations
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect
-from workbench.report.wording import any_of, effect_phrase, effect_phrases
+from workbench.report.wording import effect_phrase
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -27,7 +27,6 @@ from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import is_significant, sizes_of
-from .shared_effects import needed
 
 
 def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
@@ -38,18 +37,6 @@ def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
         if rest:
             plain = replace(last, fit=rest, dropped=(*last.dropped, step.added))
             yield with_last_step(node.begun(as_good=True), plain, problem.seed)
-
-
-def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return the node without an effect of its alternative start that the last effect made needless."""
-    last = node.steps[-1]
-    kept = needed(node.current, node.data, node.keys - {last.added})
-    idle = sorted(node.keys - kept.hypothesis.keys, key=str)
-    if idle:
-        dropped = any_of(effect_phrases(idle), "and")
-        problem.progress(f"dropping {dropped}, not needed since {effect_phrase(last.added)}")
-        plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))
-        yield with_last_step(node.begun(as_good=True), plain, problem.seed)
 
 
 def simplified(node: Node, problem: Problem) -> Iterator[Node]:

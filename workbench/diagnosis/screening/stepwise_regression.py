@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
 
-from ..moves.pairs import may_stand_together
+from ..moves.choice import may_stand_together
 from ..policy import POLICY
 from .equations import Entry
 from .forms import in_best_form, reformed
