@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,13 @@ from workbench.effects import EFFECTS, SignalStage, kinds
 from workbench.models import AppliedEffect
 from workbench.report.wording import any_of, effect_name
 
-from ..acceptance import explains_most, holdout_insensitive, improves_an_axis, near_noise_floor
+from ..acceptance import (
+    degrades_holdout,
+    explains_most,
+    holdout_insensitive,
+    improves_an_axis,
+    near_noise_floor,
+)
 from ..data import Data
 from ..fitting.fit import fit, successive_halving
 from ..fitting.refinement import converged, tune_sliding_speed, with_candidates
@@ -23,13 +29,12 @@ from ..policy import POLICY
 from ..problem import Problem
 from ..removed_share import removed_shares
 from ..screening.candidate import Candidate
-from ..screening.equations import Entry, Equations, equations
+from ..screening.equations import Entry, Equations, bounds_of, equations
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep, steps_through
-from ..significance import significance
+from ..significance import cancel_each_other, identifiable, significance
 from .choice import loss_ratios, simplest_first
-from .sets import is_sound, solved_together
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
@@ -69,7 +74,7 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     floor = test_noise_floor(data)
     for names, found in simplest_first(fits, data, POLICY.later_gain):
         best = converged(needed(tune_sliding_speed(found, data, floor), data), data)
-        if len(best.hypothesis.free) > 1 and is_sound(best, linearisation, data, start):
+        if len(best.hypothesis.free) > 1 and _is_sound(best, linearisation, data, start):
             others = [(f.hypothesis.free[0].key, f.test_loss) for n, f in fits if _other_causes(n, names)]
             return _steps(best, others, data, start)
     return ()
@@ -80,17 +85,15 @@ def _other_causes(names: Sequence[str], than: Sequence[str]) -> bool:
     return not set(names) & {*than, *(e.name for e in EFFECTS if set(e.search.contains) & set(than))}
 
 
-def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
+def needed(whole: Fit, data: Data) -> Fit:
     """Return the fit with only those effects whose removal raises the loss.
 
     What is least certain goes first, as many at once as do no harm: one by one, a dozen axes with three
     effects each would take hundreds of fits.
-
-    `doubted`: the effects to test; by default all.
     """
     found = whole
     while len(found.hypothesis.free) > 1:
-        without = fit([replace(found.hypothesis, free=f) for f in _fewer(found, doubted)], data, iterations=3)
+        without = fit([replace(found.hypothesis, free=f) for f in _fewer(found)], data, iterations=3)
         idle = [
             f
             for f in without
@@ -104,11 +107,11 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
     return found
 
 
-def _fewer(found: Fit, doubted: Collection[EffectKey] | None) -> Iterator[tuple[AppliedEffect, ...]]:
+def _fewer(found: Fit) -> Iterator[tuple[AppliedEffect, ...]]:
     """Return its effects without each of the least certain ones, then without twice as many each time."""
     free = found.hypothesis.free
     certain = {a.key: significance(a) for a in free}
-    order = sorted((a.key for a in free if doubted is None or a.key in doubted), key=certain.__getitem__)
+    order = sorted(certain, key=certain.__getitem__)
     out = [{key} for key in order[: POLICY.doubted_singly]]
     out += [set(order[: 2**k]) for k in range(1, len(free)) if 2**k <= len(order) and 2**k < len(free)]
     return (tuple(a for a in free if a.key not in some) for some in out)
@@ -128,7 +131,7 @@ def _promising(
     for option, own in _sets(at_drives, linearisation, whole, excess, start.test_loss):
         gone = (1.0 - POLICY.promising) * sum(excess[a] for a in {e.key.axis for e in own} if a)
         most = floor + max(start.test_loss - floor, 0.0) - gone
-        test_loss, chosen = solved_together(own, linearisation, whole)
+        test_loss, chosen = _solved_together(own, linearisation, whole)
         if test_loss < min(most, best[option][0] if option in best else np.inf):
             best[option] = test_loss, chosen
     return [(option, chosen) for option, (_, chosen) in sorted(best.items(), key=lambda b: b[1][0])]
@@ -210,3 +213,25 @@ def _steps(
         return {"ranking": ranking, "loss_ratios": loss_ratios(key, best.test_loss, others)}
 
     return steps_through(start, found, data, told)
+
+
+def _solved_together(
+    entries: Sequence[Entry], linearisation: Linearisation, whole: Equations
+) -> tuple[float, tuple[Candidate, ...]]:
+    """Return the loss of effects on data they were not fitted on, and each effect with its coefficients."""
+    test_loss, solution = whole.judged(entries, bounds_of(linearisation, entries))
+    parts = np.split(solution, np.cumsum([len(e.linear) for e in entries])[:-1])
+    found = (Candidate(e.key, x, e.shape, test_loss) for e, x in zip(entries, parts, strict=True))
+    return test_loss, tuple(found)
+
+
+def _is_sound(found: Fit, linearisation: Linearisation, data: Data, start: Fit) -> bool:
+    """Return whether effects explain most, each is identifiable, and none cancels another or degrades the
+    holdout.
+    """
+    return (
+        explains_most(found, start, data)
+        and identifiable(linearisation, found)
+        and not cancel_each_other(linearisation, found)
+        and not degrades_holdout(found, start, data)
+    )
