@@ -129,12 +129,3 @@ def test_of_many_effects_those_without_which_little_more_stays_are_left_out() ->
     whole, data = fitted(("viscous_damping", "damping"), ("reflected_inertia", "inertia"))
     effects = [a.key.effect for a in needed(whole, data).hypothesis.free]
     assert effects == ["viscous_damping"] * 3
-
-
-def test_what_is_not_doubted_stays() -> None:
-    whole, data = fitted(("viscous_damping", "damping"), ("reflected_inertia", "inertia"))
-    doubted = {EffectKey("reflected_inertia", "x"), EffectKey("viscous_damping", "y")}
-    kept = needed(whole, data, doubted).hypothesis.free
-    assert {a.key for a in whole.hypothesis.free} - {a.key for a in kept} == {
-        EffectKey("reflected_inertia", "x")
-    }
