@@ -76,6 +76,8 @@ def test_verdicts(comparison, diagnosis, improvement):
         "has another cause."
     )
     assert sentence(partly).endswith(end)
+    doubted = tuple(replace(f, probability=0.6) for f in partly.findings)
+    assert "certain" not in sentence(replace(partly, findings=doubted)), "a name of 60 % is not"
     two = replace(diagnosis, findings=diagnosis.findings * 2)
     assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive (0.25")
     assert "explains the data to the noise" in sentence(improvement)

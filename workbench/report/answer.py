@@ -25,6 +25,7 @@ from .wording import (
 
 _GAINS = "controller_gain_error"
 _OF_GAIN = {"kp_scale": "kp is", "kd_scale": "kd is"}
+_CERTAIN = 0.9  # probability of each name with which all of them are called certain
 _FEW = 3  # numbers or names that are told one by one
 
 
@@ -52,12 +53,11 @@ def _nothing(result: Diagnosis | None) -> str:
 
 
 def partly_sentence(result: Diagnosis) -> str:
-    """Return how much error stays unexplained beside certain effects, with a space before it."""
+    """Return how much error stays unexplained beside what was named, with a space before it."""
     rest = percent(result.unexplained_fraction)
-    return (
-        f" This is certain, but it is not the whole cause: {rest} of the squared error above the noise has "
-        "another cause."
-    )
+    sure = all(f.probability >= _CERTAIN for f in result.findings)
+    this = "This is certain, but it is not" if sure else "This is not"
+    return f" {this} the whole cause: {rest} of the squared error above the noise has another cause."
 
 
 def improvement_sentence(result: Improvement) -> str:
