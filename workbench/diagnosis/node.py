@@ -17,6 +17,7 @@ from workbench.models import AppliedEffect
 from .adequacy.adequacy import Adequacy
 from .data import Data
 from .fitting.divergence import divergence
+from .fitting.fit import fit
 from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
 from .may_be_named import may_be_named
@@ -119,6 +120,19 @@ def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisatio
     linearisation = Linearisation.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
     problem.linearisations.appendleft(linearisation)
     return linearisation
+
+
+def rest_without(current: Fit, keys: Sequence[EffectKey], data: Data) -> tuple[Fit, Linearisation] | None:
+    """Return the fit of the other effects when some are taken out, and the linearisation about it; None if
+    the model without them does not run.
+    """
+    hypothesis = current.hypothesis
+    for key in keys:
+        hypothesis = hypothesis.without(key)
+    (rest,) = fit([hypothesis], data, iterations=1)
+    if rest is None:
+        return None
+    return rest, Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
 
 
 def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:

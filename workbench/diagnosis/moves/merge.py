@@ -15,11 +15,10 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit, Hypothesis
 from ..loss import rescored
-from ..node import Node, with_steps
+from ..node import Node, rest_without, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.compliance import equivalents_at_joint
-from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
 from ..search_result import AcceptedStep, steps_through
 from ..significance import identifiable
@@ -48,19 +47,19 @@ def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: 
         return None
     kind, two = "delay" if delays else "cause", any_of(effect_phrases([one.key, other.key]), "and")
     problem.progress(f"testing whether one {kind} can replace {two}")
-    without = current.hypothesis.without(one.key).without(other.key)
-    rest = current if delays else fit([without], data, iterations=1)[0]
-    if rest is None:
+    bare = rest_without(current, [one.key, other.key], data)
+    if bare is None:
         return None
-    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    rest, linearisation = bare
+    least = rest.hypothesis.size
     if delays:
         tried = one_delay_for_two(current.hypothesis, one, other)
     else:
         known = candidates(linearisation, rest, data, problem.seed)
         others = (c for c in known if c.key not in {one.key, other.key})
-        few = POLICY.merge_size * (current.hypothesis.size - without.size)
+        few = POLICY.merge_size * (current.hypothesis.size - least)
         added = (with_candidate(linearisation, c, rest) for c in others)
-        tried = list(islice((h for h in added if 0 < h.size - without.size <= few), POLICY.merge_candidates))
+        tried = list(islice((h for h in added if 0 < h.size - least <= few), POLICY.merge_candidates))
     good = [
         f
         for f in fit(tried, data)

@@ -15,12 +15,11 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
-from ..node import Growth, Node, with_steps
+from ..node import Growth, Node, rest_without, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..removed_share import removed_shares
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
-from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
 from ..search_result import AcceptedStep, has_cause
 from ..significance import identifiable
@@ -92,10 +91,10 @@ def _in_its_place(
     if not keys or all(a.key != step.added for a in current.hypothesis.free):
         return None, []
     problem.progress(f"trying other causes in place of {effect_phrase(step.added)}")
-    (rest,) = fit([current.hypothesis.without(step.added)], data, iterations=1)
-    if rest is None:
+    bare = rest_without(current, [step.added], data)
+    if bare is None:
         return None, []
-    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    rest, linearisation = bare
     known = (
         *candidates(linearisation, rest, data, problem.seed),
         *compliance_candidates(linearisation, rest.test_loss, rest.hypothesis.free),

@@ -18,13 +18,12 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
-from ..node import Node, with_last_step, with_steps
+from ..node import Node, rest_without, with_last_step, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..removed_share import removed_share
 from ..screening.candidate import Candidate
 from ..screening.screen import screen
-from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import is_significant, sizes_of
 
@@ -74,10 +73,10 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
     if given_up is None or len(special) <= last:
         return ()
     problem.progress(f"testing whether a simpler effect can replace {effect_phrase(given_up.key)}")
-    (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
-    if rest is None:
+    bare = rest_without(current, [given_up.key], data)
+    if bare is None:
         return ()
-    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    rest, linearisation = bare
     candidates = screen(linearisation, data, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
