@@ -5,6 +5,7 @@ Property tests draw the same examples every time; ``HYPOTHESIS_PROFILE=explore``
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator, Sequence
 from ctypes import CDLL
@@ -43,6 +44,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left = [i for i in items if i.get_closest_marker("extra") or i.get_closest_marker("slow")]
         config.hook.pytest_deselected(items=left)
         items[:] = [i for i in items if i not in left]
+
+
+def pytest_collection_finish() -> None:
+    """What was imported stays: no collection of garbage need look through all of it again."""
+    gc.freeze()
 
 
 def _places(item: pytest.Item) -> Iterator[str]:

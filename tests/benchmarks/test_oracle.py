@@ -60,7 +60,8 @@ def test_alike_lags_of_both_drives_are_not_named_as_one_delay(tmp_path: Path) ->
     """It was lost once: a delay of the whole machine comes near the noise, and the lags reach it."""
     (case,) = (c for c in CASES if c.name.endswith("alike-current_loop_lag-hip+current_loop_lag-knee"))
     data = record(case, tmp_path)
-    found = diagnose(data.model, data.training, data.held_out, seed=case.seed)
+    some = [r for r in data.training if r.name in ("sweep", "wander")]  # show both, in a third of the time
+    found = diagnose(data.model, some, data.held_out, seed=case.seed)
     assert {f.key for f in found.findings} == {key_of(h) for h in case.hidden}
 
 

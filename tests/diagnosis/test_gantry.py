@@ -24,7 +24,7 @@ LOOP = Controller("pd", "joint", kp=(9000.0, 6000.0), kd=(500.0, 350.0), period_
 def made(seed: int, carried: float) -> Recording:
     """A log of the machine with so much on its carriage [kg], by small steps of two masses."""
     generator = np.random.default_rng(seed)
-    t = np.arange(0.0, 6.0, PERIOD)
+    t = np.arange(0.0, 4.0, PERIOD)
     f, p = generator.uniform(0.2, 1.2, (2, 4)), generator.uniform(0.0, 6.28, (2, 4))
     waves = [np.sin(2 * np.pi * np.outer(t, own) + at) - np.sin(at) for own, at in zip(f, p, strict=True)]
     reference = 0.01 * np.stack([w.sum(axis=1) for w in waves], axis=1)

@@ -15,7 +15,7 @@ def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path
     """It took minutes each, where a payload, wrong centres or rotors explain the log in another."""
     machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", fore_centre=0.07))
     logs = [
-        logged(machine, tones, seconds=6.0, seed=k, log_s=0.01, loop_s=0.001, positions_alone=True)
+        logged(machine, tones, seconds=4.0, seed=k, log_s=0.01, loop_s=0.001, positions_alone=True)
         for k, tones in enumerate((SLOW, FAST))
     ]
     said: list[str] = []
@@ -33,7 +33,7 @@ def test_a_noisy_speed_that_was_not_logged_leaves_the_simpler_loop(tmp_path: Pat
     model = load_model(bench_arm(tmp_path, "model", bend_armature=0.09, lift_armature=0.12))
     logs = [
         logged(
-            machine, tones, seconds=5.0, seed=k, log_s=0.01, loop_s=0.002, held=False,
+            machine, tones, seconds=3.5, seed=k, log_s=0.01, loop_s=0.002, held=False,
             positions_alone=True, speed_noise=0.03,
         )
         for k, tones in enumerate((SLOW, FAST))
@@ -54,7 +54,7 @@ def test_a_delay_is_found_under_the_right_assumption_about_the_loop(tmp_path: Pa
     """It is no torque along the motion: what the torque shows would have another loop, and more effects."""
     logs = [
         logged(
-            bench_arm(tmp_path), tones, seconds=3.0, seed=k, log_s=0.002, loop_s=0.001, held=False,
+            bench_arm(tmp_path), tones, seconds=2.0, seed=k, log_s=0.002, loop_s=0.001, held=False,
             positions_alone=True, late=5,
         )
         for k, tones in enumerate((SLOW, FAST))
@@ -72,7 +72,7 @@ def test_a_delay_beside_damping_is_no_six_wrong_numbers(tmp_path: Path) -> None:
     machine, model = bench_arm(tmp_path, lift_damping=1.6), load_model(bench_arm(tmp_path, "model"))
     logs = [
         logged(
-            machine, tones, seconds=3.0, seed=3 + k, log_s=0.01, loop_s=0.002, held=False,
+            machine, tones, seconds=2.0, seed=3 + k, log_s=0.01, loop_s=0.002, held=False,
             positions_alone=True, late=2,
         )
         for k, tones in enumerate((FAST, SLOW))

@@ -26,7 +26,7 @@ def told(
     machine, model = bench_arm(folder, "arm", **true), load_model(bench_arm(folder, "model", **wrong))
     slow = {"log_s": 0.01, "loop_s": 0.001, "positions_alone": True} if positions_alone else {}
     logs = [
-        logged(machine, tones, seconds=8.0, resisting=resisting, seed=seed, **slow)
+        logged(machine, tones, seconds=5.0, resisting=resisting, seed=seed, **slow)
         for seed, tones in enumerate((SLOW, FAST))
     ]
     return diagnose(model, logs)

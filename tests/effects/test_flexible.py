@@ -7,11 +7,13 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from scipy import signal
 
 from tests.effects.cases import experiment, reference
 from tests.simulation.make import having, leg_experiment, simulated, slide_experiment
 from workbench.core import Controller, EffectKey, InputError
 from workbench.effects import EFFECTS, Compliance, build, compile_plant, effect_named, kinds, load_model
+from workbench.effects.flexible import spring_wind
 from workbench.models import Model, Placement
 from workbench.simulation import Track, motion_of, required_torque
 
@@ -120,6 +122,20 @@ def test_what_sits_at_a_drive_moves_with_its_motor() -> None:
     tendon = made.spec.tendon("actuator:1")
     assert made.rows["actuator:1"] == {"rotor:actuator:1": 1.0}
     assert (tendon.frictionloss, tendon.armature) == (0.2, pytest.approx(0.0262))
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(40.0, 0.05), (3000.0, 0.0), (900.0, 60.0)])
+def test_a_spring_winds_up_as_its_equation_says(stiffness: float, damping: float) -> None:
+    """Inertia d'' + damping d' + stiffness d = torque, which goes straight from row to row."""
+    step, inertia = 0.002, 0.05
+    torque = np.cumsum(np.random.default_rng(0).standard_normal(500))
+    torque -= torque[0]
+    change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
+    through = np.array([[0.0], [1.0 / inertia]])
+    system = signal.StateSpace(change, through, change[1:], through[1:])
+    _, wanted, _ = signal.lsim(system, torque, step * np.arange(len(torque)))
+    wind = spring_wind(torque, step, inertia, stiffness, damping)
+    np.testing.assert_allclose(wind, wanted, atol=1e-9 * np.abs(wanted).max())
 
 
 def test_an_axis_has_one_spring_in_series() -> None:

@@ -186,11 +186,17 @@ def spring_wind(
     inertia d'' + damping d' + stiffness d = torque.
     """
     change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
-    through = np.array([[0.0], [1.0 / inertia]])
     # torque goes straight from row to row: held, it would come half a row late
-    rows = scipy.signal.cont2discrete((change, through, change[1:], through[1:]), step, "foh")
-    top, bottom = scipy.signal.ss2tf(*rows[:4])
-    return np.asarray(scipy.signal.lfilter(top[0], bottom, torque))
+    whole = np.zeros((4, 4))
+    whole[:2, :2], whole[1, 2], whole[2, 3] = step * change, step / inertia, 1.0
+    kept, held, later = np.split(expm(whole)[:2], [2, 3], axis=1)
+    entry, straight = held - later + kept @ later, 1.0 / inertia + change[1] @ later[:, 0]
+    # by hand: general conversions take far longer than the filter, and this is asked for very often
+    (a, b), (c, d) = kept
+    bottom = np.array([1.0, -(a + d), a * d - b * c])
+    (x, y), (p, q) = change[1], entry[:, 0]
+    top = straight * bottom + [0.0, x * p + y * q, x * (b * q - d * p) + y * (c * p - a * q)]
+    return np.asarray(scipy.signal.lfilter(top, bottom, torque))
 
 
 def free_wind(rows: int, step: float, inertia: float, stiffness: float, damping: float) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from .alike import alike_axes
 from .contacts import base_contacts, machine_bodies
-from .engine import silence, warned
+from .engine import silence, stop_clock, warned
 from .file_number import BodyNumbers, Inertial, JointNumber, inertial_frame
 from .floating import BASE_AXES
 from .mjcf import check_mjcf
@@ -31,6 +31,7 @@ from .urdf_text import UrdfText
 from .write import linkage_table, model_text, write_model
 
 silence()
+stop_clock()
 
 __all__ = [
     "BASE_AXES", "MOST", "NO_FRICTION", "VARIANTS", "Actuators", "AppliedEffect", "BodyNumbers", "Crank",

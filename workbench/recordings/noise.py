@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from workbench.core import Recording
+from workbench.core.once import once_per_recording
 
 from .encoder_noise import position_noise
 from .lattice import lattice_step
@@ -35,6 +36,7 @@ class NoiseLevels:
     torque_std: np.ndarray
 
 
+@once_per_recording
 def noise_levels(recording: Recording) -> NoiseLevels:
     """Return noise of position, velocity and torque, each assumed white.
 
@@ -70,6 +72,7 @@ def noise_levels(recording: Recording) -> NoiseLevels:
     return NoiseLevels(resolution, position, velocity, torque)
 
 
+@once_per_recording
 def position_levels(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Resolution of the encoder and deviation of position noise alone, (n,) each, as in `NoiseLevels`."""
     n = len(recording.axes)

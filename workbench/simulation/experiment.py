@@ -140,7 +140,8 @@ def prepare(recording: Recording, model: Model) -> Experiment:
             remedy="name its column, or state controller kind 'none' or 'unknown'",
         )  # fmt: skip
     count = int(np.floor((rows - 1) * stride * step / period + 1e-9)) + 1
-    ticks = np.unique(np.ceil(np.arange(count) * (period / step) - 1e-6).astype(int))
+    ticks = np.ceil(np.arange(count) * (period / step) - 1e-6).astype(int)
+    ticks = ticks[np.diff(ticks, prepend=-1) > 0]
     return Experiment(
         recording=recording,
         controller=controller,

@@ -14,7 +14,7 @@ from workbench.models import Model, axis_tendon, rotors
 
 from .carried import carried_inertia
 from .clamped import before_clamp
-from .experiment import prepare, scored_torque
+from .experiment import Experiment, prepare, scored_torque
 from .inverse import gain_along, required_torque
 from .native import com_slopes, mass_matrices
 from .postures import link_motions, site_jacobian
@@ -151,7 +151,7 @@ def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | 
     e = prepare(recording, plant.model)
     if e.controller.kind not in ("pd", "cascade_pv") or e.controller.limit:
         return None
-    shares = [gain_shares(recording, plant, track, axis) for axis in range(plant.model.size)]
+    shares = [_shares(e, plant.model.transmission, track, axis) for axis in range(plant.model.size)]
     # a cascade's gain on velocity multiplies all it asks for
     asked = [own.sum(axis=0) if e.controller.kind == "pd" else own[1] for own in shares]
     return np.sum(asked, axis=0) + e.feedforward
@@ -163,16 +163,20 @@ def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> 
     First the share that grows with the gain on position (kp), then that with the gain on velocity (kd of a
     PD loop, kv of a cascade), in actuator coordinates, held from tick to tick; zero for an open loop.
     """
-    e, j = prepare(recording, plant.model), plant.model.transmission
+    return _shares(prepare(recording, plant.model), plant.model.transmission, track, axis)
+
+
+def _shares(e: Experiment, j: np.ndarray, track: Track, axis: int) -> np.ndarray:
     c, rows = e.controller, len(track.position)
-    out = np.zeros((2, rows, plant.model.size))
+    out = np.zeros((2, rows, len(j)))
     if c.kind not in ("pd", "cascade_pv"):
         return out
     joint = c.coordinates == "joint"
     back = np.linalg.inv(j)
     sense = (back if joint else np.eye(len(j)))[axis]
     drive = (back.T if joint else np.eye(len(j)))[:, axis]
-    ticks = np.unique(np.minimum(np.ceil(e.ticks / e.stride - 1e-9).astype(int), rows - 1))
+    ticks = np.minimum(np.ceil(e.ticks / e.stride - 1e-9).astype(int), rows - 1)
+    ticks = ticks[np.diff(ticks, prepend=-1) > 0]
     away = e.reference[ticks, axis] - track.position[ticks] @ sense
     rate = e.reference_rate[ticks, axis] - track.velocity[ticks] @ sense
     if c.kind == "pd":

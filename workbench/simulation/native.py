@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import llvmlite.binding as llvm
 import mujoco
 import numpy as np
 from numba import types
 
 from workbench.core.compiled import compiled
+from workbench.models.engine import library
 
-_NAMES = "libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"
-_LIBRARY = next(path for name in _NAMES for path in Path(mujoco.__file__).parent.glob(name))
-llvm.load_library_permanently(str(_LIBRARY))
+llvm.load_library_permanently(str(library()))
 
 #: ``mj_step(model, data)`` by the addresses of both.
 mj_step = types.ExternalFunction("mj_step", types.void(types.intp, types.intp))

@@ -36,7 +36,7 @@ def told(folder: Path, stranger: Callable[[float, float], float]) -> Diagnosis:
         return np.array([stranger(q[0], w[0]), 0.0, 0.0])
 
     logs = [
-        logged(machine, tones, seconds=8.0, seed=k, resisting=resisting)
+        logged(machine, tones, seconds=5.0, seed=k, resisting=resisting)
         for k, tones in enumerate((SLOW, FAST))
     ]
     return diagnose(load_model(pendulums(folder, "model", 1.2)), logs)

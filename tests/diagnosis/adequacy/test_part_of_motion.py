@@ -27,7 +27,7 @@ def told(folder: Path, stranger: Stranger, damping: float) -> Diagnosis:
 
     machine = pendulums(folder, "machine", damping)
     logs = [
-        logged(machine, tones, seconds=8.0, seed=k, resisting=resisting)
+        logged(machine, tones, seconds=5.0, seed=k, resisting=resisting)
         for k, tones in enumerate((SLOW, FAST))
     ]
     return diagnose(load_model(pendulums(folder, "model", 0.8)), logs)
