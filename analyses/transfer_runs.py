@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import joblib
+from transfer_jump import jump
 
 import workbench
 from workbench.bundle import read_bundle
@@ -21,7 +22,6 @@ from workbench.rigs import PERFECT
 from workbench.training.contact import EVALUATION
 from workbench.training.evaluate import evaluate
 from workbench.training.floor import Law
-from workbench.training.jump import jump
 from workbench.training.machine import make_machine
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.robot import IDEAL, Robot

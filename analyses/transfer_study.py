@@ -33,7 +33,7 @@ from transfer_measures import (
     swing_misses,
 )
 from transfer_paired import Spread
-from transfer_plants import SETS
+from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
 from transfer_tables import show
@@ -42,7 +42,7 @@ from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
 from workbench.training.floor import Law
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
-from workbench.training.robot import PARTS, Robot
+from workbench.training.robot import Robot
 from workbench.training.rollout import Push
 from workbench.training.tasks import CIRCLE
 
