@@ -9,6 +9,7 @@ from zlib import crc32
 
 import numpy as np
 from transfer_runs import Made
+from transfer_worlds import Push
 
 from workbench.core import Recording
 from workbench.gait import (
@@ -21,7 +22,7 @@ from workbench.gait import (
 )
 from workbench.models import read_model
 from workbench.training.machine import LEGS, STEP_S, Machine, make_machine
-from workbench.training.rollout import HOLD_S, Push
+from workbench.training.rollout import HOLD_S
 from workbench.training.tasks import PITCH_HZ
 
 #: Measure -> unit, of a robot that goes somewhere.

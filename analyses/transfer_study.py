@@ -37,13 +37,12 @@ from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
 from transfer_tables import show
+from transfer_worlds import Law, Push
 
 from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
-from workbench.training.floor import Law
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
 from workbench.training.robot import Robot
-from workbench.training.rollout import Push
 from workbench.training.tasks import CIRCLE
 
 PAPER = {

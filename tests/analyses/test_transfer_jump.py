@@ -4,6 +4,7 @@ import numpy as np
 from transfer_jump import jump
 from transfer_measures import machine_limbs
 from transfer_plants import PARTS
+from transfer_worlds import world_of
 
 from tests.training.make import machine
 from workbench.gait import with_filtered_velocity, with_leg_odometry
@@ -24,7 +25,7 @@ def test_parts_of_a_robot_can_stand_up() -> None:
 def test_the_jump_leaves_the_ground_and_its_legs_tell_the_speed() -> None:
     """With the foot's radius leg odometry is the trunk's true speed on its feet; as a point it is not."""
     made = machine("quadruped")
-    jumped, log = jump(made, TrainedPlant(made, EVALUATION), sensors=None)
+    jumped, log = jump(made, TrainedPlant(made, world_of(made, EVALUATION, 0.0)), sensors=None)
     assert jumped.apex > made.height + 0.1 and 1.5 < jumped.take_off < 2.5
     recording = log.recording("jump", made, False).rows(slice(230, 350))  # stretching
     limbs, true = machine_limbs(made), recording.extra["base_velocity"]
@@ -39,7 +40,7 @@ def test_the_jump_leaves_the_ground_and_its_legs_tell_the_speed() -> None:
 
 def test_the_filter_follows_the_trunk_where_no_foot_stands() -> None:
     made = machine("quadruped")
-    _, log = jump(made, TrainedPlant(made, EVALUATION), sensors=None)
+    _, log = jump(made, TrainedPlant(made, world_of(made, EVALUATION, 0.0)), sensors=None)
     recording = log.recording("jump", made, False).rows(slice(230, 480))  # stretching, and in the air
     limbs, true = machine_limbs(made), recording.extra["base_velocity"]
     force = np.linalg.norm(recording.extra["ground_force"].reshape(len(recording), 4, 3), axis=-1)
