@@ -8,6 +8,7 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
+from transfer_filter import with_filtered_velocity
 from transfer_runs import Made
 from transfer_worlds import Push
 
@@ -17,7 +18,6 @@ from workbench.gait import (
     compare_gaits,
     limbs_of,
     predict_swing,
-    with_filtered_velocity,
     with_leg_odometry,
 )
 from workbench.models import read_model

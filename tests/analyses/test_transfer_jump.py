@@ -1,13 +1,14 @@
 """Parts of the study's robots, and its scripted jump with what the legs tell of it."""
 
 import numpy as np
+from transfer_filter import with_filtered_velocity
 from transfer_jump import jump
 from transfer_measures import machine_limbs
 from transfer_plants import PARTS
 from transfer_worlds import world_of
 
 from tests.training.make import machine
-from workbench.gait import with_filtered_velocity, with_leg_odometry
+from workbench.gait import with_leg_odometry
 from workbench.training.contact import EVALUATION
 from workbench.training.plant import begin
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
