@@ -15,10 +15,9 @@ from transfer_policies import SIMULATORS, TASK_FILES, Trained, policies_of
 from transfer_runs import Job, Kept, Made
 from transfer_tables import show, write_csv
 from transfer_trials import run_trials
-from transfer_worlds import Law, Push
+from transfer_worlds import EVALUATION, Law, Push
 
 from workbench import report
-from workbench.training.contact import EVALUATION
 from workbench.training.robot import Robot
 
 AGAIN = "hardware again"

@@ -13,14 +13,13 @@ from typing import Any
 
 import joblib
 from transfer_jump import jump
-from transfer_worlds import Law, Push, world_of
+from transfer_worlds import EVALUATION, Law, Push, world_of
 
 import workbench
 from workbench.bundle import read_bundle
 from workbench.core import Recording
 from workbench.models import read_model
 from workbench.rigs import PERFECT
-from workbench.training.contact import EVALUATION
 from workbench.training.evaluate import evaluate
 from workbench.training.machine import make_machine
 from workbench.training.plants import ClosedChainPlant, TrainedPlant

@@ -37,9 +37,8 @@ from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
 from transfer_tables import show
-from transfer_worlds import Law, Push
+from transfer_worlds import EVALUATION, TRAINING, ContactLaw, Law, Push
 
-from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
 from workbench.training.robot import Robot

@@ -12,7 +12,6 @@ from workbench.core import InputError
 from workbench.effects.chain import Build, TorqueChain
 from workbench.effects.ground import lay_ground, settle_contacts
 from workbench.models import Ground, Model
-from workbench.training.contact import ContactLaw
 from workbench.training.machine import LEGS, Machine
 
 _LAW, _FRICTION = "contact_compliance", "ground_friction"
@@ -42,6 +41,42 @@ class Push:
         side = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 0.0])
         sign = 1.0 if int(since // self.every_s) % 2 == 0 else -1.0
         return sign * self.force * side / np.linalg.norm(side)
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """A contact law: a spring and damper of acceleration, critically damped, as MuJoCo's ``solref``.
+
+    Attributes:
+        time_constant_s: of the critically damped contact [s].
+        step_s: of the simulation [s].
+        elliptic: whether the friction cone is round, not a pyramid.
+    """
+
+    time_constant_s: float
+    step_s: float
+    elliptic: bool
+
+    def __str__(self) -> str:
+        cone = "elliptic" if self.elliptic else "pyramidal"
+        return f"{1e3 * self.time_constant_s:g} ms, steps of {1e3 * self.step_s:g} ms, {cone} cone"
+
+    def applied(self, m: mujoco.MjModel, feet: Sequence[str]) -> mujoco.MjModel:
+        """Return a copy of a compiled machine whose feet (spheres with priority over the floor) have
+        this law.
+        """
+        made = m.__copy__()
+        made.opt.timestep = self.step_s
+        for foot in feet:
+            made.geom_solref[made.geom(foot).id] = self.time_constant_s, 1.0
+        if self.elliptic:
+            made.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        return made
+
+
+#: As training has it with ``--stiff-contact``; and with short steps and a round friction cone, which resolve it.
+TRAINING = ContactLaw(0.006, 0.003, elliptic=False)
+EVALUATION = ContactLaw(0.006, 0.0005, elliptic=True)
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,10 @@ from transfer_filter import with_filtered_velocity
 from transfer_jump import jump
 from transfer_measures import machine_limbs
 from transfer_plants import PARTS
-from transfer_worlds import world_of
+from transfer_worlds import EVALUATION, world_of
 
 from tests.training.make import machine
 from workbench.gait import with_leg_odometry
-from workbench.training.contact import EVALUATION
 from workbench.training.plant import begin
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
 

@@ -2,19 +2,29 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
-from transfer_worlds import IdentifiedLaw, Push, loaded, world_of
+from transfer_worlds import EVALUATION, ContactLaw, IdentifiedLaw, Push, loaded, world_of
 
 from tests.training.make import machine
 from tests.training.test_robot import Still
 from workbench.core import EffectKey, Estimate, InputError
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
-from workbench.training.contact import ContactLaw
+from workbench.training.machine import LEGS
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.robot import Robot
 from workbench.training.rollout import run
+
+
+def test_the_evaluation_s_law_is_laid_in_a_copy() -> None:
+    m = machine("quadruped").mujoco
+    feet = [f"{leg}_sphere" for leg in LEGS]
+    made = EVALUATION.applied(m, feet)
+    assert made.opt.timestep == 0.0005 and made.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    assert m.opt.timestep == 0.003 and m.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+    assert "0.5 ms" in str(EVALUATION)
 
 
 def standing(stiffness: float, hardware: bool, push: Push | None = None, seconds: float = 0.6):

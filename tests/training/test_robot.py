@@ -1,13 +1,11 @@
 """Parts of a robot do what they are called, and the contact's law is the one that is stated."""
 
-import mujoco
 import numpy as np
 import pytest
 
 from tests.training.make import machine
 from workbench.effects import load_model
-from workbench.training.contact import EVALUATION, TRAINING
-from workbench.training.machine import make_machine
+from workbench.training.machine import STEP_S, STIFF_S, make_machine
 from workbench.training.plants import ClosedChainPlant
 from workbench.training.robot import IDEAL, Robot
 from workbench.training.rollout import run
@@ -23,17 +21,9 @@ class Still:
 
 
 def test_training_s_contact_is_as_stiff_as_its_step_allows() -> None:
-    m = make_machine("quadruped", load_model("leg"), law=TRAINING).mujoco
-    assert m.opt.timestep == TRAINING.step_s and TRAINING.time_constant_s == 2.0 * TRAINING.step_s
-    assert (m.geom_solref[[m.geom(foot).id for foot in FEET], 0] == TRAINING.time_constant_s).all()
-
-
-def test_the_evaluation_s_law_is_laid_in_a_copy() -> None:
-    m = machine("quadruped").mujoco
-    made = EVALUATION.applied(m, FEET)
-    assert made.opt.timestep == 0.0005 and made.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
-    assert m.opt.timestep == 0.003 and m.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
-    assert "0.5 ms" in str(EVALUATION)
+    m = make_machine("quadruped", load_model("leg"), stiff=True).mujoco
+    assert m.opt.timestep == STEP_S and STIFF_S == 2.0 * STEP_S
+    assert (m.geom_solref[[m.geom(foot).id for foot in FEET], 0] == STIFF_S).all()
 
 
 def test_a_ground_s_damping_is_the_stated_one() -> None:
