@@ -74,7 +74,7 @@ class ContactLaw:
         return made
 
 
-#: As training has it with ``--stiff-contact``; and with short steps and a round friction cone that resolve it.
+#: As `train --stiff-contact` has it; and with short steps and a round friction cone, which resolve it.
 TRAINING = ContactLaw(0.006, 0.003, elliptic=False)
 EVALUATION = ContactLaw(0.006, 0.0005, elliptic=True)
 
