@@ -24,7 +24,7 @@ _BALANCE = 2e-6  # s, the same for the power balance
 _ROWS, _PERIOD = 50, 0.002  # 0.1 s: short, since a workspace may be small
 _SWING = 15.0  # rad/s^2, what the torques of the swing would do at rest
 
-_SERIES = "MuJoCo's terms as series"
+_SERIES = "MuJoCo (series)"  # terms in MuJoCo, kept as smooth functions of the posture
 
 Facts = dict[str, tuple[float, str, str]]
 
