@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.analyses.test_two_mass_fit import two_mass_frf
+from tests.identification.test_fit import two_mass_frf
 from workbench.core import InputError
 from workbench.frf import find_resonances
 

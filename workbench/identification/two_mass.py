@@ -7,7 +7,8 @@ import numpy as np
 from workbench.core import AXIS_SIGNALS, Estimate, InputError
 from workbench.frf.response import Frf
 from workbench.frf.sampled import System, second_order
-from workbench.identification.fit import Fit, Parameter, Problem, solve
+
+from .fit import Fit, Parameter, Problem, solve
 
 _LONGEST = 0.01  # delay that is looked for [s]; half a hold or a sensor's lag may make it negative
 _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)
@@ -86,7 +87,7 @@ def fit_two_mass(frf: Frf) -> Fit:
     return solve(Problem("two_mass", parameters, (frf,), (system,), starts))
 
 
-def derived(fit: Fit) -> dict[str, Estimate]:
+def two_mass_numbers(fit: Fit) -> dict[str, Estimate]:
     """Return ``antiresonance_hz``, ``resonance_hz`` and ``inertia_ratio`` of a fit, by the delta method."""
     theta = np.array([e.value for e in fit.parameters.values()])
     out = {}
