@@ -8,9 +8,11 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 from posture_callback import CallbackWorld
+from posture_schedule import Schedule
+from posture_worlds import ScheduledWorld
 
 from workbench.models import Model, load_mjcf
-from workbench.s3n import PostureDependent, Schedule, ScheduledWorld, fit_native
+from workbench.s3n import PostureDependent, fit_native
 from workbench.s3n.worlds import World, make_world
 
 PERIOD, SECONDS = 0.004, 2.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
+from posture_schedule import Schedule
+from posture_worlds import ScheduledWorld, looking_ahead, settle
 
-from workbench.s3n import Schedule, ScheduledWorld
-from workbench.s3n.posture_worlds import looking_ahead, settle
 from workbench.s3n.worlds import State
 
 

@@ -14,9 +14,9 @@ from contextlib import contextmanager
 
 import mujoco
 import numpy as np
+from posture_schedule import Schedule
 
 from workbench.core import InputError
-from workbench.s3n import Schedule
 from workbench.s3n.worlds import State, World
 
 

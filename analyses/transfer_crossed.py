@@ -15,12 +15,10 @@ from transfer_policies import SIMULATORS, TASK_FILES, Trained, policies_of
 from transfer_runs import Job, Kept, Made
 from transfer_tables import show, write_csv
 from transfer_trials import run_trials
+from transfer_worlds import EVALUATION, Law, Push
 
 from workbench import report
-from workbench.training.contact import EVALUATION
-from workbench.training.floor import Law
 from workbench.training.robot import Robot
-from workbench.training.rollout import Push
 
 AGAIN = "hardware again"
 #: Values (U,) of the pairs, by simulator, and of the hardware's second run.

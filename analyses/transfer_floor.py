@@ -17,12 +17,12 @@ from pathlib import Path
 from transfer_identification import identify_plant
 from transfer_plants import EFFECTS
 from transfer_plants import Plant as Leg
+from transfer_worlds import IdentifiedLaw
 
 from workbench import improve
 from workbench.core import Improvement
 from workbench.models import Ground, Model, read_model, write_model
 from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments
-from workbench.training.floor import IdentifiedLaw
 from workbench.training.robot import Robot
 
 _PLATE = Plate()

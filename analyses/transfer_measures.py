@@ -8,20 +8,21 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
+from transfer_filter import with_filtered_velocity
 from transfer_runs import Made
+from transfer_worlds import Push
 
 from workbench.core import Recording
 from workbench.gait import (
     Limbs,
     compare_gaits,
+    limbs_of,
     predict_swing,
-    with_filtered_velocity,
     with_leg_odometry,
 )
 from workbench.models import read_model
-from workbench.training.legs import machine_limbs
-from workbench.training.machine import STEP_S, make_machine
-from workbench.training.rollout import HOLD_S, Push
+from workbench.training.machine import LEGS, STEP_S, Machine, make_machine
+from workbench.training.rollout import HOLD_S
 from workbench.training.tasks import PITCH_HZ
 
 #: Measure -> unit, of a robot that goes somewhere.
@@ -154,6 +155,14 @@ def rms(x: np.ndarray) -> float:
 def _settled(recording: Recording) -> Recording:
     """Without the hold and the first second, which is whole cycles of the command."""
     return recording.rows(slice(round((HOLD_S + _SETTLE_S) / STEP_S), None))
+
+
+def machine_limbs(machine: Machine) -> Limbs:
+    """Return the legs of a quadruped; drives with play start in the middle of it."""
+    rotors = machine.rotors
+    apart = (rotors.places, rotors.dofs, rotors.follow, rotors.drives) if len(rotors.places) else None
+    feet = [f"{leg}_sphere" for leg in LEGS]
+    return limbs_of(machine.mujoco, machine.joints, machine.transmission, feet, apart)
 
 
 @cache

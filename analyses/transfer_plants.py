@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.rigs import HiddenEffect
+from workbench.training.machine import STEP_S
+from workbench.training.robot import Robot
 
 #: Hidden in the second set, beside what the linkage itself has over a serial tree: its weight, its velocity
 #: terms. Flanks of the gap are as soft as the rig's sampled loop stays stable with.
@@ -19,6 +21,18 @@ SETS = {
     "clean": (),
     "hidden effects": EFFECTS,
     "no play": tuple(e for e in EFFECTS if e.effect != "backlash"),
+}
+#: What a robot has beyond its drawing, part by part; sizes of a robot of this size.
+PARTS: dict[str, Robot] = {
+    "friction of 0.3 N m in all drives": Robot(drive_friction=0.3),
+    "actions 6 ms late": Robot(latency_steps=round(0.006 / STEP_S)),
+    "1 kg on the trunk, 5 cm off its centre": Robot(trunk_mass=1.0, trunk_at=(0.05, 0.0, 0.0)),
+    "gyro bias 0.05 rad/s, tilt 0.02 rad, 6 ms late": Robot(
+        gyro_bias=(0.05, 0.05, 0.05), tilt_bias=(0.02, 0.02), imu_steps=round(0.006 / STEP_S)
+    ),
+    "drives to 25 rad/s, battery that sags": Robot(no_load_speed=25.0, sag=0.2),
+    "soft ground, 20 kN/m": Robot(ground_stiffness=2e4),
+    "rough ground, 10 mm": Robot(roughness=0.01),
 }
 
 

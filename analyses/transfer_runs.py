@@ -7,25 +7,23 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import joblib
+from transfer_jump import jump
+from transfer_worlds import EVALUATION, Law, Push, world_of
 
 import workbench
 from workbench.bundle import read_bundle
 from workbench.core import Recording
 from workbench.models import read_model
 from workbench.rigs import PERFECT
-from workbench.training.contact import EVALUATION
 from workbench.training.evaluate import evaluate
-from workbench.training.floor import Law
-from workbench.training.jump import jump
 from workbench.training.machine import make_machine
 from workbench.training.plants import ClosedChainPlant, TrainedPlant
 from workbench.training.robot import IDEAL, Robot
-from workbench.training.rollout import Push
 
 _SIMULATION_SEED = 10_000  # of the inertial unit's noise, which no other run draws
 
@@ -103,9 +101,9 @@ def _digest(file: Path) -> str:
 
 @cache
 def _source() -> str:
-    """Of all of the package's code."""
-    whole = hashlib.sha256()
-    for file in sorted(Path(workbench.__file__).parent.rglob("*.py")):
+    """Of all of the package's code, and of what the study's runs are made of."""
+    whole, own = hashlib.sha256(), Path(__file__).parent.glob("transfer_[jw]*.py")
+    for file in sorted([*Path(workbench.__file__).parent.rglob("*.py"), *own]):
         whole.update(file.read_bytes())
     return whole.hexdigest()
 
@@ -114,13 +112,14 @@ def _run(job: Job) -> Made:
     if job.policy is None:
         return _jump(job)
     bundle = read_bundle(job.policy)
-    both: dict[str, Any] = {"seconds": job.seconds, "push": job.push, "task_file": job.task}
+    push = None if job.push is None else job.push.at
+    both: dict[str, Any] = {"seconds": job.seconds, "push": push, "task_file": job.task}
     if job.model is None:
         made = evaluate(bundle, seed=job.seed, robot=job.robot, **both)
     else:
         made = evaluate(
             bundle, seed=_SIMULATION_SEED, hardware=False, sensors=PERFECT, model=read_model(job.model),
-            law=job.law, robot=Robot(payload=job.robot.payload), **both,
+            world=partial(world_of, law=job.law, payload=job.robot.payload), **both,
         )  # fmt: skip
     return Made(made.recording, made.fell_s)
 
@@ -132,6 +131,6 @@ def _jump(job: Job) -> Made:
     if job.model is None:
         plant, robot, sensors = ClosedChainPlant(machine, job.robot), job.robot, None
     else:
-        plant, robot, sensors = TrainedPlant(machine, job.law, payload), IDEAL, PERFECT
+        plant, robot, sensors = TrainedPlant(machine, world_of(machine, job.law, payload)), IDEAL, PERFECT
     made, log = jump(machine, plant, height=job.height, seed=job.seed, sensors=sensors, robot=robot)
     return Made(log.recording("jump", machine, False), log.fell_s, made.apex, made.take_off)

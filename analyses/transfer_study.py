@@ -33,17 +33,15 @@ from transfer_measures import (
     swing_misses,
 )
 from transfer_paired import Spread
-from transfer_plants import SETS
+from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
 from transfer_tables import show
+from transfer_worlds import EVALUATION, TRAINING, ContactLaw, Law, Push
 
-from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
-from workbench.training.floor import Law
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
-from workbench.training.robot import PARTS, Robot
-from workbench.training.rollout import Push
+from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
 PAPER = {

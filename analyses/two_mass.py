@@ -25,7 +25,7 @@ from workbench import improve, load_model, load_recordings, report
 from workbench.core import Improvement, Recording
 from workbench.core.files import write_whole
 from workbench.frf import estimate, find_resonances
-from workbench.identification import fit_two_mass
+from workbench.identification import fit_two_mass, two_mass_numbers
 from workbench.models import Model
 
 _SHAFT = """<mujoco model="shaft"><worldbody><body>
@@ -92,7 +92,7 @@ def main() -> None:
     read = {f"{r.kind}_hz": r.frequency for r in find_resonances(motor) if 40 < r.frequency.value < 100}
     table = Table("", "fitted", "read off the response", "published")
     for name, published in _PUBLISHED.items():
-        own, seen = fitted.derived[name], read.get(name)
+        own, seen = two_mass_numbers(fitted)[name], read.get(name)
         shown = "" if seen is None else f"{seen.value:.2f} ± {2 * seen.std:.2f}"
         table.add_row(name, f"{own.value:.3g} ± {2 * own.std:.2g}", shown, f"{published:g}")
     report.print_table(table)

@@ -16,13 +16,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from exam.experiments import NEEDS, experiments_for
 from joblib import Parallel, delayed
 
 from workbench.core import Recording, SimulationError
-from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg, experiments_for, hidden_effect
+from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg, hidden_effect
 from workbench.rigs.machine import AXES
 from workbench.rigs.magnitudes import Seat
-from workbench.rigs.revealing import NEEDS
 
 RATIO = 2.0  # error over noise at the smallest magnitude
 SIGNALS = ("position", "torque_measured")

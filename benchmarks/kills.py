@@ -27,7 +27,7 @@ import numpy as np
 from virtual_robot import four_legs
 
 from workbench.can import load_config
-from workbench.can.candump import archive, read_candump
+from workbench.can.candump import packed, read_candump
 from workbench.deployment.processes import end, start
 
 #: Who is killed, and how; to a drive a host that is stopped is the same as one that is killed.
@@ -103,7 +103,7 @@ def kill_once(folder: Path, time_scale: float, victim: str, how: signal.Signals,
                 process.kill()
             end(process)
     stamps = [frame.stamp for frame in read_candump(log)]
-    frames = archive(log, log.with_suffix(".blf"))
+    frames = packed(log)[0]
     assert frames == len(stamps)
     shift = json.loads(log.with_suffix(".clock").read_text().splitlines()[0])["shift"]
     late = at + shift - stamps[-1] if stamps else float("inf")

@@ -18,13 +18,13 @@ from workbench.rigs import (
     HiddenEffect,
     Sensors,
     VirtualLeg,
-    experiments_for,
     revealing_experiments,
     work_and_rest,
 )
 
 from .cases import Case
 from .degrade import degrade
+from .experiments import experiments_for
 from .field.plant import recorded
 from .second.hidden import Hidden
 from .second.leg import Noise, SecondLeg

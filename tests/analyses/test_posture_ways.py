@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 from posture_batch import ScheduledBatch
 from posture_callback import CallbackWorld
+from posture_schedule import Schedule
+from posture_worlds import ScheduledWorld
 
+from tests.analyses.test_posture_worlds import drive_path, middle, run
 from tests.s3n.postures import NAMES, model, schedule, states
-from tests.s3n.test_posture_worlds import drive_path, middle, run
 from workbench.core import SimulationError
-from workbench.s3n import Schedule, ScheduledWorld
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,11 +16,12 @@ from transfer_paired import Spread, ladder
 from transfer_plants import SETS, other_leg
 from transfer_runs import Job, Kept
 from transfer_tables import spread
+from transfer_worlds import Push
 
 from workbench.core import Controller, Excitation, Recording
 from workbench.rigs import VirtualLeg
 from workbench.training.machine import STEP_S
-from workbench.training.rollout import HOLD_S, Push
+from workbench.training.rollout import HOLD_S
 
 #: Columns of the quick tables.
 QUICK = ("Kin-Only", "S3N-Act", "S3N-Full")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from exam.answers import Answer, Named, with_truth
 from exam.cases import KINDS, ODD, all_cases
+from exam.experiments import experiments_for
 from exam.outsiders import OUTSIDE
 from exam.table import mistakes
 
@@ -186,3 +187,9 @@ def test_the_true_model_has_damped_flanks_as_a_property() -> None:
     model = with_truth(load_model("leg"), [HiddenEffect("backlash", "knee", parameters=values)])
     assert model.flank_retardation_s == pytest.approx(2e-3)
     assert dict(model.effects[-1].values) == {"gap": 0.01, "stiffness": 400.0}
+
+
+def test_what_the_demo_cannot_show_gets_its_own_experiment() -> None:
+    usual = [e.name for e in experiments_for(["coulomb_friction"])]
+    more = [e.name for e in experiments_for(["coulomb_friction", "thermal_derating"])]
+    assert len(usual) == 6 and more == [*usual[:-1], "work_and_rest", usual[-1]]

@@ -15,7 +15,7 @@ import pyarrow.csv as pacsv
 import pytest
 from side_by_side import spread, times_as_long
 
-from workbench.comparison import Replay, compare, replay_of, simulate_with_noise
+from workbench.comparison import Replay, compare, replay_of
 from workbench.core import Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.problem import starting_fit
@@ -63,7 +63,7 @@ def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(record
 
 def test_a_comparison_takes_hardly_longer_than_its_simulations(recording: Recording) -> None:
     model, draws = load_model("leg"), 8
-    needed = lambda: simulate_with_noise(model, [recording], draws=draws)  # noqa: E731
+    needed = lambda: replay_of(model, [recording]).with_noise(model, 0, draws)  # noqa: E731
     assert times_as_long(lambda: compare(model, [recording], draws=draws), needed, 3).median < 1.5  # 1.1
     plain = runs(replay_of(model, [recording]), model, 1 + draws)
     assert times_as_long(needed, plain, 3).median < 2.0  # 1.1

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.can.test_frame import FLEXIBLE, FRAMES
 from workbench.can import Frame
-from workbench.can.candump import Logged, archive, line, read_candump
+from workbench.can.candump import Logged, line, packed, read_candump
 from workbench.core import InputError
 
 LOGGED = st.lists(
@@ -42,7 +42,8 @@ def test_python_can_reads_the_log_and_the_archive(tmp_path: Path) -> None:
     frames.append(Logged(110.0, "can0", Frame(0x8001, bytes(range(48)), True, fd=True)))
     path, blf = tmp_path / "a.log", tmp_path / "a.blf"
     path.write_text("".join(line(*entry) for entry in frames))
-    assert archive(path, blf) == 9
+    count, content = packed(path)
+    assert count == 9 and blf.write_bytes(content)
     for reader in (can.CanutilsLogReader(path), can.BLFReader(blf)):
         got = [(m.arbitration_id, m.is_extended_id, bytes(m.data), m.is_fd) for m in reader]
         assert got == [(e.frame.id, e.frame.extended, e.frame.data, e.frame.fd) for e in frames]

@@ -10,7 +10,7 @@ import pytest
 
 from tests.data_helpers import LEG as EXAMPLES
 from tests.simulation.make import having, leg_experiment
-from workbench.comparison import Simulated, compare, evaluate, simulate_with_noise
+from workbench.comparison import Simulated, compare, evaluate, replay_of
 from workbench.core import Controller, EffectKey, InputError, Recording
 from workbench.effects import load_model
 from workbench.recordings import load_recordings
@@ -122,7 +122,7 @@ def halves(recording: Recording) -> list[Recording]:
 def test_the_error_does_not_depend_on_order_or_on_where_a_recording_is_cut() -> None:
     wrong = having(LEG, EffectKey("viscous_damping", "hip"), damping=0.05)
     recordings = [measured(wrong, leg_experiment(s, seed=k), range(1))[0] for k, s in enumerate((0.6, 1.0))]
-    whole = simulate_with_noise(LEG, recordings)
+    whole = replay_of(LEG, recordings).with_noise(LEG, 0)
     result = evaluate(LEG, whole)
 
     def pieces(runs: tuple[Recording, ...]) -> tuple[Recording, ...]:

@@ -12,7 +12,7 @@ from tests.frf.sure import within
 from workbench.core import InputError
 from workbench.frf import Channel, estimate
 from workbench.frf.sampled import System, response, second_order
-from workbench.identification import fit_actuator, fit_leg, fit_two_mass
+from workbench.identification import fit_actuator, fit_leg, fit_two_mass, two_mass_numbers
 
 POSTURES = ((-0.55, 0.497), (-0.2, 1.4))
 
@@ -130,14 +130,13 @@ def two_mass_frf(noise: float, load: bool):
 def test_two_masses_are_recovered(load) -> None:
     theta, frf = two_mass_frf(0.01, load)
     fit = fit_two_mass(frf)
+    numbers = two_mass_numbers(fit)
     assert fit.adequate
     assert np.abs(away(fit, dict(zip(fit.parameters, theta, strict=True)))).max() < 4
-    assert fit.derived["inertia_ratio"].value == pytest.approx(theta[1] / theta[0], rel=0.02)
-    assert fit.derived["antiresonance_hz"].value == pytest.approx(
-        np.sqrt(600 / 0.0053) / (2 * np.pi), rel=1e-3
-    )
+    assert numbers["inertia_ratio"].value == pytest.approx(theta[1] / theta[0], rel=0.02)
+    assert numbers["antiresonance_hz"].value == pytest.approx(np.sqrt(600 / 0.0053) / (2 * np.pi), rel=1e-3)
     true = np.sqrt(600 * (1 / 0.0053 + 1 / 0.0048)) / (2 * np.pi)
-    assert abs(fit.derived["resonance_hz"].value - true) < 4 * fit.derived["resonance_hz"].std
+    assert abs(numbers["resonance_hz"].value - true) < 4 * numbers["resonance_hz"].std
 
 
 def test_responses_of_the_wrong_kind_are_refused() -> None:

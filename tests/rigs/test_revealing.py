@@ -8,7 +8,6 @@ from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg
 from workbench.rigs.experiments import HOLD
 from workbench.rigs.revealing import (
     dither,
-    experiments_for,
     range_sweep,
     revealing_experiments,
     speed_ladder,
@@ -80,9 +79,3 @@ def test_work_warms_and_rest_cools() -> None:
     torque = log(work_and_rest(spell=3.0, spells=2)).signals["torque_measured"]
     work, rest = torque[1000:2500], torque[4000:]
     assert np.all(np.std(work, axis=0) > 3.0) and np.all(np.std(rest, axis=0) < 0.05)
-
-
-def test_what_the_demo_cannot_show_gets_its_own_experiment() -> None:
-    usual = [e.name for e in experiments_for(["coulomb_friction"])]
-    more = [e.name for e in experiments_for(["coulomb_friction", "thermal_derating"])]
-    assert len(usual) == 6 and more == [*usual[:-1], "work_and_rest", usual[-1]]

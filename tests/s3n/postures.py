@@ -3,12 +3,12 @@
 from functools import lru_cache
 
 import numpy as np
+from posture_schedule import Schedule
 
 from workbench.mechanism import ClosedChain
 from workbench.models import Model, read_model
 from workbench.s3n.posture import PostureDependent
 from workbench.s3n.posture_chain import PostureChain
-from workbench.s3n.posture_schedule import Schedule
 
 NAMES = ("four_bar", "five_bar", "ankle")
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from posture_schedule import Schedule
+from posture_worlds import ScheduledWorld
 
 from tests.s3n.postures import drake, model, series, states
 from tests.simulation.make import having
@@ -17,8 +19,6 @@ from workbench.s3n.normalise import write_normalised
 from workbench.s3n.posture import PostureDependent
 from workbench.s3n.posture_error import relative_inertia
 from workbench.s3n.posture_fitted import FittedTree, fit_native
-from workbench.s3n.posture_schedule import Schedule
-from workbench.s3n.posture_worlds import ScheduledWorld
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from workbench.core import InputError
-from workbench.core.files import write_whole
 
 from .frame import Frame
 
@@ -65,13 +64,6 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
         content, extended = bytes.fromhex(flexible or data or ""), len(id) == 8
         frame = Frame(int(id, 16), content, extended, flexible is not None, remote is not None)
         yield Logged(float(stamp), bus, frame)
-
-
-def archive(log: str | Path, blf: str | Path) -> int:
-    """Write a candump log as BLF; return the number of frames."""
-    count, content = packed(log)
-    write_whole(blf, content, force=True)
-    return count
 
 
 def packed(log: str | Path) -> tuple[int, bytes]:

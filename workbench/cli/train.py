@@ -94,7 +94,6 @@ def train(
     Example: workbench train reach --variant s3n_full --unverified -o runs/reach
     """
     from workbench.effects import load_model
-    from workbench.training.contact import TRAINING
     from workbench.training.loggers import check_logger
     from workbench.training.machine import make_machine
     from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
@@ -147,7 +146,7 @@ def train(
             "; ".join(against), file=file,
             remedy="make it with `workbench approve`, or train with --unverified",
         )  # fmt: skip
-    machine = posed(wanted, make_machine(wanted.machine, loaded, variant, law=TRAINING if stiff else None))
+    machine = posed(wanted, make_machine(wanted.machine, loaded, variant, stiff=stiff))
     if wanted.suffix == ".py":
         try_task(wanted, machine, Path(task))
     if machine.floating and shown:

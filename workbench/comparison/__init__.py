@@ -2,7 +2,7 @@
 
 from .by_law import with_torque_by_law
 from .closed_loop import ClosedLoop
-from .compare import cannot_run, compare, noise_rules, simulate_with_noise, told
+from .compare import cannot_run, compare, noise_rules, told
 from .evaluate import evaluate
 from .following import followed
 from .long import compare_logs
@@ -42,7 +42,6 @@ __all__ = [
     "score_runs",
     "scored_signals",
     "shifted_axes",
-    "simulate_with_noise",
     "softness_note",
     "swapped_axes",
     "told",

@@ -17,27 +17,8 @@ from .matching import matched
 from .noise import DRAWS, NoiseModel
 from .replay_of import replay_of
 from .score import Scale, normalised
-from .simulated import Simulated
 from .soft_friction import softness_note
 from .standing import on_ground
-
-
-def simulate_with_noise(
-    model: Model,
-    recordings: Sequence[Recording],
-    *,
-    draws: int = DRAWS,
-    seed: int = 0,
-    noise: NoiseModel | None = None,
-) -> Simulated:
-    """Return runs of every recording in one batch: one without noise, and `draws` with noise.
-
-    `noise` are the sensors, where they are known already; else the recordings say.
-
-    Raises:
-        SimulationError: the model is unstable in a recording's loop.
-    """
-    return replay_of(model, recordings, noise).with_noise(model, seed, draws)
 
 
 def compare(

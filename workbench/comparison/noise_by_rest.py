@@ -112,10 +112,6 @@ def _usual(needed: np.ndarray, doubt: np.ndarray) -> np.ndarray:
     return np.sum(worth * needed, axis=0) / np.maximum(np.sum(worth, axis=0), 1e-300)
 
 
-def _with_speed(noise: NoiseModel, level: np.ndarray) -> NoiseModel:
-    return NoiseModel(replace(noise.levels, velocity_std=level))
-
-
 def _octaves(signals: Positions, periods: Sequence[float]) -> np.ndarray:
     """Power of the median window of all recordings, octave by octave from the highest, (octaves, n)."""
     powers = [_windows(x, dt) for x, dt in zip(signals, periods, strict=True)]

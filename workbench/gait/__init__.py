@@ -3,7 +3,7 @@
 from .bootstrap import Interval, resampled
 from .compare import compare_gaits
 from .measures import Gait, Measure
-from .odometry import with_filtered_velocity, with_leg_odometry
+from .odometry import velocity_by_foot, with_leg_odometry
 from .strides import strides_of
 from .swing import Limbs, limbs_of, predict_swing
 from .tracking import split, tracking
@@ -20,6 +20,6 @@ __all__ = [
     "split",
     "strides_of",
     "tracking",
-    "with_filtered_velocity",
+    "velocity_by_foot",
     "with_leg_odometry",
 ]

@@ -57,7 +57,7 @@ def fit_actuator(frf: Frf) -> Fit:
     if frf.inputs[0].signal == "torque_measured":
         notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
     starts = [np.array([*np.maximum(x, 1e-6), delay]) for x, delay in _starts(frf, moves, least, _LONGEST)]
-    return solve(Problem("actuator", parameters, (frf,), (system,), starts, {}, notes))
+    return solve(Problem("actuator", parameters, (frf,), (system,), starts, notes))
 
 
 def motion_of(frf: Frf) -> str:

@@ -49,7 +49,6 @@ class Fit:
         model: its name.
         parameters: name -> estimate; the deviation holds what noise does and, where the model is not
             adequate, what it leaves and how the parameters move from band to band.
-        derived: the same for what follows from the parameters.
         covariance: of the parameters, in their order, (p, p).
         frfs: what was fitted, with the covariances that weighted it.
         responses: of the model at each of these, (F, ny, nu).
@@ -59,7 +58,6 @@ class Fit:
 
     model: str
     parameters: Mapping[str, Estimate]
-    derived: Mapping[str, Estimate]
     covariance: np.ndarray
     frfs: tuple[Frf, ...]
     responses: tuple[np.ndarray, ...]
@@ -87,7 +85,6 @@ class Problem:
         frfs: measured responses.
         systems: for each of these, unknowns (p,) (which may be complex) to a linear system.
         starts: first guesses, each (p,); the best end counts.
-        derived: name -> (function of the unknowns, unit).
         notes: to be handed on.
     """
 
@@ -96,7 +93,6 @@ class Problem:
     frfs: tuple[Frf, ...]
     systems: tuple[Callable[[np.ndarray], System], ...]
     starts: Sequence[np.ndarray]
-    derived: Mapping[str, tuple[Callable[[np.ndarray], complex], str]]
     notes: tuple[str, ...] = ()
 
 
@@ -128,7 +124,6 @@ def solve(problem: Problem) -> Fit:
     return Fit(
         model=problem.model,
         parameters=_estimates(problem, theta, covariance),
-        derived=_derived(problem, theta, covariance),
         covariance=covariance,
         frfs=tuple(frfs),
         responses=tuple(_responses(problem, theta)),
@@ -227,16 +222,6 @@ def _estimates(problem: Problem, theta: np.ndarray, covariance: np.ndarray) -> d
         p.name: Estimate(float(v), float(s), p.unit)
         for p, v, s in zip(problem.parameters, theta, deviation, strict=True)
     }
-
-
-def _derived(problem: Problem, theta: np.ndarray, covariance: np.ndarray) -> dict[str, Estimate]:
-    """By the delta method, slopes by complex steps."""
-    out = {}
-    for name, (function, unit) in problem.derived.items():
-        slope = np.array([np.imag(function(theta + 1e-25j * e)) / 1e-25 for e in np.eye(len(theta))])
-        deviation = float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
-        out[name] = Estimate(float(np.real(function(theta))), deviation, unit)
-    return out
 
 
 def _at_bounds(problem: Problem, theta: np.ndarray) -> list[str]:

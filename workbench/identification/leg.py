@@ -74,7 +74,7 @@ def fit_leg(frfs: Frf | Sequence[Frf], *, transmission: np.ndarray | None = None
     if group[0].inputs[0].signal == "torque_measured":
         notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
     systems = tuple(map(system_at, group))
-    return solve(Problem("leg", parameters, tuple(group), systems, starts, {}, notes))
+    return solve(Problem("leg", parameters, tuple(group), systems, starts, notes))
 
 
 def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:

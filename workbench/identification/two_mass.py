@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.core import AXIS_SIGNALS, InputError
+from workbench.core import AXIS_SIGNALS, Estimate, InputError
 from workbench.frf.response import Frf
 from workbench.frf.sampled import System, second_order
 
@@ -15,6 +15,12 @@ _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)
     "position": (1.0, 0.0, 0.0, 0.0),
     "link_position": (0.0, 1.0, 0.0, 0.0),
     "velocity": (0.0, 0.0, 1.0, 0.0),
+}
+
+_DERIVED = {  # of the parameters, in their order: function and unit
+    "antiresonance_hz": (lambda t: np.sqrt(t[2] / t[1]) / (2 * np.pi), "Hz"),
+    "resonance_hz": (lambda t: np.sqrt(t[2] * (1 / t[0] + 1 / t[1])) / (2 * np.pi), "Hz"),
+    "inertia_ratio": (lambda t: t[1] / t[0], "1"),
 }
 
 
@@ -35,8 +41,7 @@ def fit_two_mass(frf: Frf) -> Fit:
 
     Returns:
         Parameters ``inertia_motor``, ``inertia_load``, ``stiffness``, ``damping_coupling``,
-        ``damping_motor``, ``damping_load``, ``delay``; derived ``antiresonance_hz``, ``resonance_hz``,
-        ``inertia_ratio``.
+        ``damping_motor``, ``damping_load``, ``delay``.
 
     Raises:
         InputError: other signals, or no motor signal among the outputs.
@@ -78,13 +83,19 @@ def fit_two_mass(frf: Frf) -> Fit:
         both = second_order(np.diag(np.array([jm, jl])), damping, k * spring, delay, rows)
         return System(both.a, both.b[:, :1], both.c, both.delay)
 
-    derived = {
-        "antiresonance_hz": (lambda t: np.sqrt(t[2] / t[1]) / (2 * np.pi), "Hz"),
-        "resonance_hz": (lambda t: np.sqrt(t[2] * (1 / t[0] + 1 / t[1])) / (2 * np.pi), "Hz"),
-        "inertia_ratio": (lambda t: t[1] / t[0], "1"),
-    }
     starts = _starts(frf, motor, signals[motor], least, _LONGEST)
-    return solve(Problem("two_mass", parameters, (frf,), (system,), starts, derived))
+    return solve(Problem("two_mass", parameters, (frf,), (system,), starts))
+
+
+def two_mass_numbers(fit: Fit) -> dict[str, Estimate]:
+    """Return ``antiresonance_hz``, ``resonance_hz`` and ``inertia_ratio`` of a fit, by the delta method."""
+    theta = np.array([e.value for e in fit.parameters.values()])
+    out = {}
+    for name, (function, unit) in _DERIVED.items():
+        slope = np.array([np.imag(function(theta + 1e-25j * e)) / 1e-25 for e in np.eye(len(theta))])
+        deviation = float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
+        out[name] = Estimate(float(np.real(function(theta))), deviation, unit)
+    return out
 
 
 def _starts(frf: Frf, motor: int, signal: str, low: float, high: float) -> list[np.ndarray]:

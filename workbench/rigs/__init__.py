@@ -15,7 +15,7 @@ from .own_draw import draw_own
 from .own_machine import HiddenIn
 from .own_rig import OwnExperiment
 from .plate_experiments import plate_experiments
-from .revealing import experiments_for, revealing_experiments, work_and_rest
+from .revealing import revealing_experiments, work_and_rest
 from .shapes import hidden_effect
 from .standing_leg import Plate
 from .structure import LegStructure, leg_structure
@@ -26,7 +26,7 @@ __all__ = [
     "DEMO_EFFECTS", "DRAWN_EFFECTS", "EFFECTS", "OUTSIDERS", "PERFECT", "ClosedChain", "DriveSide",
     "DriveTrain", "Experiment", "HiddenEffect", "HiddenIn", "LegStructure", "LiveLeg", "LiveShaft",
     "MotorBank", "OwnExperiment", "Plate", "Sensors", "VirtualBench", "VirtualLeg", "VirtualMotor", "chirp",
-    "demo_experiments", "draw_hidden", "draw_own", "drive_side", "experiments_for",
+    "demo_experiments", "draw_hidden", "draw_own", "drive_side",
     "hidden_effect", "leg_structure", "multisine", "plate_experiments", "revealing_experiments", "slow_sweep",
     "validation", "work_and_rest",
 ]  # fmt: skip

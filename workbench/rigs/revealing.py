@@ -5,34 +5,16 @@ They too start at rest in the hold posture and keep the joints off their stops.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import numpy as np
 
 from workbench.core import Excitation
 
-from .experiments import HOLD, ROW_PERIOD, Experiment, demo_experiments
+from .experiments import HOLD, ROW_PERIOD, Experiment
 
 _RANGE = ((-1.35, 1.2), (0.5, 2.3))  # of hip and knee, away from their stops [rad]
 _JOINTS = ("hip", "knee")
-
-
-#: Effects that the demo's experiments cannot show, and what can: no drive warms up within 15 s.
-NEEDS: Mapping[str, Callable[[], Experiment]] = MappingProxyType(
-    {"thermal_derating": lambda: work_and_rest()}
-)
-
-
-def experiments_for(effects: Collection[str], seed: int = 0) -> tuple[Experiment, ...]:
-    """Return the experiments of the demo, and those without which one of these effects would not show.
-
-    Args:
-        effects: names of what is hidden.
-        seed: draws the validation motion, which stays last.
-    """
-    *others, judge = demo_experiments(seed)
-    return (*others, *(NEEDS[name]() for name in sorted({*effects} & {*NEEDS})), judge)
 
 
 def revealing_experiments() -> tuple[Experiment, ...]:

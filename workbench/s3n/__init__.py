@@ -11,15 +11,13 @@ from .posture import PostureDependent
 from .posture_chain import PostureChain
 from .posture_error import posture_error
 from .posture_fitted import fit_native
-from .posture_schedule import Schedule
-from .posture_worlds import ScheduledWorld
 from .reach import Reach, reach
 from .runner import VariantRun, run_variant
 from .variants import VARIANT_NAMES, omissions, usual_variant, with_variant
 
 __all__ = [
     "VARIANT_NAMES", "ConstraintSettings", "Dynamics", "FloatingBaseError", "NormalisedTree", "PostureChain",
-    "PostureDependent", "Reach", "Schedule", "ScheduledWorld", "VariantRun", "compiled_dynamics", "drive_map",
+    "PostureDependent", "Reach", "VariantRun", "compiled_dynamics", "drive_map",
     "explicit_spectral_radius", "fit_native", "floating_base_error", "normalise", "off_drives", "omissions",
     "on_drives", "posture_error", "reach", "reduced", "run_variant", "usual_variant", "variant_dynamics",
     "with_variant", "write_normalised",

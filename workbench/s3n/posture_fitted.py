@@ -96,7 +96,7 @@ def fit_native(
         raise InputError(
             f"as plain MJCF the inertia of '{model.name}' is off by up to {error.inertia_max:.1%} (at "
             f"{error.inertia_at}), and {allow:.1%} are allowed", file=model.source,
-            remedy="allow more (--allow-error), narrow the limits, or run it scheduled",
+            remedy="allow more (--allow-error) or narrow the limits",
         )  # fmt: skip
     return FittedTree(model, xml, compiled, added, left_out(model), tuple(removed), error, found.offsets)
 

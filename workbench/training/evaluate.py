@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from workbench.bundle import Policy, PolicyBundle
@@ -15,7 +16,6 @@ from workbench.models import Model
 from workbench.rigs import Sensors
 
 from .draws import Draws
-from .floor import Law
 from .machine import Machine, make_machine
 from .of_bundle import machine_of, task_of
 from .own_plant import OwnPlant
@@ -51,7 +51,7 @@ def evaluate(
     sensors: Sensors | None = None,
     robot: Robot = IDEAL,
     model: Model | None = None,
-    law: Law | None = None,
+    world: Callable[[Machine], mujoco.MjModel] | None = None,
     task_file: Path | None = None,
     push: Push | None = None,
     tell: Callable[[float], None] = lambda done: None,
@@ -64,9 +64,9 @@ def evaluate(
         seed: of the command (``reach``) and of the sensors' noise.
         hardware: on the closed chain in Drake; else in the serial machine that it was trained in.
         sensors: of the drives; by default those of the virtual leg.
-        robot: what the hardware has beyond its drawing; a simulation has its payload alone.
+        robot: what the hardware has beyond its drawing.
         model: of a leg, with its variant; the simulation is of this model instead of the trained one.
-        law: of the simulation's contacts and steps, instead of those of its file.
+        world: makes the simulation of a machine, instead of that of its file.
         task_file: the Python file of a task that is one.
         push: pushes on the trunk, on hardware and in simulation alike.
         tell: is told the share that is done.
@@ -74,9 +74,9 @@ def evaluate(
     Raises:
         InputError: the bundle cannot be run here, or hardware and simulation are asked for at once.
     """
-    if (robot != Robot(payload=robot.payload)) if not hardware else (model or law) is not None:
+    if (robot != IDEAL) if not hardware else (model or world) is not None:
         raise InputError(
-            "deviations of a robot apply to hardware only, model and contact law to simulation only",
+            "deviations of a robot apply to hardware only, another model and world to simulation only",
             remedy="leave out the options of the other",
         )
     with tempfile.TemporaryDirectory() as folder:
@@ -86,8 +86,8 @@ def evaluate(
                 ClosedChainPlant(machine, robot) if machine.floating else OwnPlant(machine, robot.hidden)
             )
         else:
-            other = None if model is None else make_machine(machine.kind, model)
-            plant = TrainedPlant(other or machine, law, robot.payload)
+            simulated = machine if model is None else make_machine(machine.kind, model)
+            plant = TrainedPlant(simulated, None if world is None else world(simulated))
     task = task_of(bundle, task_file)
     log = run(
         PolicyPilot(Policy(bundle), task, machine), machine, plant, seconds, seed,
@@ -96,7 +96,7 @@ def evaluate(
     )  # fmt: skip
     variant = bundle.variant if machine.map is None else "fitted"
     name = f"{task.name}_{variant}_{'hardware' if hardware else 'simulation'}"
-    stepped = machine.floating and not hardware and law is None
+    stepped = machine.floating and not hardware and world is None
     scores = called("scores", task_file, task.scores, log) if task_file else task.scores(log)
     return Evaluation(log.recording(name, machine, stepped), scores, log.fell_s)
 

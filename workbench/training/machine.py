@@ -19,12 +19,14 @@ from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
 from workbench.s3n.posture_fitted import ALLOWED, left_out
 
-from .contact import ContactLaw
 from .floor import lay_floor
 from .quadruped import LEGS, base_height, quadruped
 from .rotors import Rotors, no_rotors, rotors_of
 
 STEP_S = 0.003  # simulation and control
+STIFF_S = (
+    2.0 * STEP_S
+)  # time constant of the stiffest contact that this step allows; MuJoCo's default is 20 ms
 POLICY_STEPS = 6  # control steps a policy step: 18 ms
 ABDUCTION_LIMIT = 0.6  # rad
 # under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands
@@ -114,7 +116,7 @@ class Machine:
 
 def make_machine(
     kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None,
-    law: ContactLaw | None = None,
+    stiff: bool = False,
 ) -> Machine:  # fmt: skip
     """Return the machine of this kind, made from the model of a leg.
 
@@ -123,7 +125,7 @@ def make_machine(
         model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
         variant: a plain variant of S3N in place of the model's own.
         fitted: MJCF and drives' positions of a limb whose transmission changes, where that was done before.
-        law: time constant of a quadruped's contacts, in place of MuJoCo's default.
+        stiff: whether a quadruped's contacts are as stiff as the step allows, not MuJoCo's default.
 
     Raises:
         InputError: the model has another loop, a delay that is no whole number of control steps, no foot, or
@@ -163,9 +165,9 @@ def make_machine(
     spec.compile()
     floor: tuple[str, ...] = ()
     if kind == "quadruped":
-        if law is not None:
+        if stiff:
             for foot in LEGS:
-                spec.geom(f"{foot}_sphere").solref = law.time_constant_s, 1.0
+                spec.geom(f"{foot}_sphere").solref = STIFF_S, 1.0
         floor = lay_floor(spec, model, [f"{leg}_sphere" for leg in LEGS], "ground")
     xml = exact_xml(spec)
     compiled = mujoco.MjModel.from_xml_string(xml)

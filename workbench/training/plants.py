@@ -14,7 +14,6 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
-from .floor import Law, laid
 from .machine import LEGS, STEP_S, Machine
 from .plant import State
 from .quadruped import FOOT_RADIUS
@@ -126,20 +125,15 @@ class TrainedPlant:
 
     Args:
         machine: the machine.
-        law: of its contacts and steps, in place of the machine's own.
-        payload: mass at the trunk's centre [kg].
+        world: another MuJoCo model of it, with the same names.
     """
 
-    def __init__(self, machine: Machine, law: Law | None = None, payload: float = 0.0) -> None:
-        self._machine, m = machine, machine.mujoco
+    def __init__(self, machine: Machine, world: mujoco.MjModel | None = None) -> None:
+        self._machine, m = machine, world or machine.mujoco
         feet = [f"{leg}_sphere" for leg in LEGS] if machine.floating else []
         if not machine.floating:
             m = copy.copy(m)
             m.opt.timestep = STEP_S / _LIMB_PIECES
-        if law is not None:
-            m = laid(law, machine.xml, m, machine.model, feet)
-        if payload:
-            m = loaded(m, payload)
         self._m, self._data = m, mujoco.MjData(m)
         self._substeps = round(STEP_S / m.opt.timestep)
         self._feet = [m.geom(foot).id for foot in feet]
@@ -195,22 +189,3 @@ class TrainedPlant:
                     world = contact.frame.reshape(3, 3).T @ six[:3]
                     loads[self._feet.index(foot)] += world if side else -world
         return loads
-
-
-def loaded(m: mujoco.MjModel, mass: float) -> mujoco.MjModel:
-    """Return a copy of a compiled machine with a point mass [kg] at the origin of its trunk."""
-    made = m.__copy__()
-    body = int(m.jnt_bodyid[0])
-    own, at, turn = m.body_mass[body], m.body_ipos[body], np.zeros(9)
-    mujoco.mju_quat2Mat(turn, m.body_iquat[body])
-    turn = turn.reshape(3, 3)
-    inertia = turn @ np.diag(m.body_inertia[body]) @ turn.T
-    share = own * mass / (own + mass)  # of two masses about their common centre
-    inertia += share * (at @ at * np.eye(3) - np.outer(at, at))
-    size, axes = np.linalg.eigh(inertia)
-    axes[:, 0] *= np.linalg.det(axes)
-    made.body_mass[body], made.body_ipos[body] = own + mass, at * own / (own + mass)
-    made.body_inertia[body] = size
-    mujoco.mju_mat2Quat(made.body_iquat[body], axes.ravel())
-    mujoco.mj_setConst(made, mujoco.MjData(made))
-    return made

@@ -9,8 +9,6 @@ import numpy as np
 
 from workbench.rigs import HiddenEffect
 
-from .machine import STEP_S
-
 
 @dataclass(frozen=True)
 class Robot:
@@ -82,15 +80,3 @@ class Robot:
 
 
 IDEAL = Robot()
-#: Parts of a robot by name; sizes of a robot of this size.
-PARTS: dict[str, Robot] = {
-    "friction of 0.3 N m in all drives": Robot(drive_friction=0.3),
-    "actions 6 ms late": Robot(latency_steps=round(0.006 / STEP_S)),
-    "1 kg on the trunk, 5 cm off its centre": Robot(trunk_mass=1.0, trunk_at=(0.05, 0.0, 0.0)),
-    "gyro bias 0.05 rad/s, tilt 0.02 rad, 6 ms late": Robot(
-        gyro_bias=(0.05, 0.05, 0.05), tilt_bias=(0.02, 0.02), imu_steps=round(0.006 / STEP_S)
-    ),
-    "drives to 25 rad/s, battery that sags": Robot(no_load_speed=25.0, sag=0.2),
-    "soft ground, 20 kN/m": Robot(ground_stiffness=2e4),
-    "rough ground, 10 mm": Robot(roughness=0.01),
-}

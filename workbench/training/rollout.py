@@ -5,7 +5,6 @@ logged.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -25,31 +24,8 @@ from .task import Task
 HOLD_S = 0.36  # the posture is held before anything else
 _GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
 
-
-@dataclass(frozen=True)
-class Push:
-    """Pushes on the trunk from the side, to the left and to the right in turn.
-
-    Attributes:
-        force: at the trunk's origin, along its own y [N].
-        lasts_s: of each [s].
-        first_s, every_s: when the first begins after the hold, and from one to the next [s].
-    """
-
-    force: float = 100.0
-    lasts_s: float = 0.1
-    first_s: float = 1.5
-    every_s: float = 1.13
-
-    def at(self, time: float, base: np.ndarray) -> np.ndarray:
-        """Return the force in the world (3,) [N] at a time after the hold, for a pose of the trunk (7,)."""
-        since = time - self.first_s
-        if since < 0.0 or since % self.every_s >= self.lasts_s - 1e-9:
-            return np.zeros(3)
-        w, x, y, z = base[3:]
-        side = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 0.0])
-        sign = 1.0 if int(since // self.every_s) % 2 == 0 else -1.0
-        return sign * self.force * side / np.linalg.norm(side)
+#: Force on the trunk in the world (3,) [N], at a time after the hold [s] and a pose of the trunk (7,).
+Push = Callable[[float, np.ndarray], np.ndarray]
 
 
 class Pilot(Protocol):
@@ -193,7 +169,7 @@ def run(
                 log.fell_s = max(since, 0) * STEP_S
                 break
         if push is not None:
-            plant.push(push.at(since * STEP_S, true.pose))
+            plant.push(push(since * STEP_S, true.pose))
         plant.advance(acting)
         tell((tick + 1) / ticks)
     return log

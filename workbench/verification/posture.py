@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from workbench.core import Check, InputError, SimulationError
 from workbench.mechanism.linear import linearise
@@ -11,8 +12,6 @@ from workbench.s3n.posture import MOST_DRIVES, PostureDependent
 from workbench.s3n.posture_chain import PostureChain
 from workbench.s3n.posture_closure import workspace
 from workbench.s3n.posture_fitted import fit_native
-from workbench.s3n.posture_schedule import Schedule
-from workbench.s3n.posture_worlds import ScheduledWorld
 
 from .states import relative
 from .structure import EXACT
@@ -22,14 +21,16 @@ _POSTURES = 3
 _OMEGA = 2.0 * np.pi * np.logspace(-1, 2, 40)  # 0.1 to 100 Hz, as in the paper
 _TINY = 1e-4  # rad, rad/s or N m: central differences of accelerations err by its square
 _BALANCE = 2e-6  # s, the same for the power balance
-_ROWS, _PERIOD, _STEP = 50, 0.002, 0.0001  # 0.1 s: short, since a workspace may be small
+_ROWS, _PERIOD = 50, 0.002  # 0.1 s: short, since a workspace may be small
 _SWING = 15.0  # rad/s^2, what the torques of the swing would do at rest
+
+_SERIES = "MuJoCo (series)"  # terms in MuJoCo, kept as smooth functions of the posture
 
 Facts = dict[str, tuple[float, str, str]]
 
 
 def posture_checks(subject: Subject, seed: int) -> list[Check]:
-    """Return every term in our engine and in Drake; then the scheduled tree's motion and responses.
+    """Return every term in our engine and in Drake; then motion and responses by the series of these terms.
 
     Raises:
         InputError: our engine cannot read the mechanism's file, or it has no limits.
@@ -42,13 +43,13 @@ def posture_checks(subject: Subject, seed: int) -> list[Check]:
     if subject.model.size > MOST_DRIVES:
         return checks
     try:
-        schedule = Schedule(subject.model)
+        series = PostureDependent(subject.model)
     except InputError as error:
         return [
             *checks,
             Check("posture_workspace", float("nan"), 0.0, "", "[closed_chain] limits", str(error)),
         ]
-    return [*checks, _frf(subject, schedule), _motion(subject, schedule, seed)]
+    return [*checks, _frf(subject, series), _motion(subject, series, seed)]
 
 
 def fitted_facts(subject: Subject) -> Facts:
@@ -109,31 +110,31 @@ def _balance(subject: Subject) -> Check:
     return Check("posture_power", float(np.abs(made).max()) / max(scale, 1e-12), 1e-6, "", "energy, work")
 
 
-def _frf(subject: Subject, schedule: Schedule) -> Check:
-    """Speed over torque in drive coordinates: the scheduled tree in MuJoCo, and the closed chain."""
+def _frf(subject: Subject, series: PostureDependent) -> Check:
+    """Speed over torque in drive coordinates: by the series, and of the closed chain."""
     chain, model = subject.chain, subject.model
     assert chain is not None
     worst = 0.0
-    for joints in _well_inside(subject, schedule.chain)[:_POSTURES]:
+    for joints in _well_inside(subject, series)[:_POSTURES]:
         q = chain.drive_position(joints)
         plant = linearise(chain, q, model.actuators.inertia, model.actuators.damping)
         real = plant.frequency_response(_OMEGA)
-        ours = _response(schedule, joints, plant.holding)
+        ours = _response(series, joints, plant.holding)
         worst = max(worst, float((np.abs(ours - real) / np.abs(real).max(axis=(1, 2), keepdims=True)).max()))
-    return Check("posture_frf", worst, 1e-5, "", f"scheduled MuJoCo, Drake, {_POSTURES} postures")
+    return Check("posture_frf", worst, 1e-5, "", f"{_SERIES}, Drake, {_POSTURES} postures")
 
 
-def _response(schedule: Schedule, joints: np.ndarray, holding: np.ndarray) -> np.ndarray:
-    """Speed over torque (F, n, n) of the scheduled tree about a posture, drive coordinates."""
-    n, world = len(joints), ScheduledWorld(schedule, start=(joints, np.zeros(len(joints))))
-    rest, j = np.zeros(n), schedule.chain.jacobian(joints[None])[0]
+def _response(series: PostureDependent, joints: np.ndarray, holding: np.ndarray) -> np.ndarray:
+    """Speed over torque (F, n, n) by the series about a posture, drive coordinates."""
+    n = len(joints)
+    rest, j = np.zeros(n), series.jacobian(joints[None])[0]
 
     def slope(way: int) -> np.ndarray:
         columns = []
         for unit in _TINY * np.eye(n):
             ahead, behind = [joints, rest, holding], [joints, rest, holding]
             ahead[way], behind[way] = ahead[way] + unit, behind[way] - unit
-            columns.append((world.acceleration(*ahead) - world.acceleration(*behind)) / (2.0 * _TINY))
+            columns.append((_acceleration(series, *ahead) - _acceleration(series, *behind)) / (2.0 * _TINY))
         return np.transpose(columns)
 
     stiffness, drag, drive = slope(0), slope(1), slope(2)
@@ -141,23 +142,35 @@ def _response(schedule: Schedule, joints: np.ndarray, holding: np.ndarray) -> np
     return j @ np.linalg.solve(s * np.eye(n) - drag - stiffness / s, np.broadcast_to(drive, (len(s), n, n)))
 
 
-def _motion(subject: Subject, schedule: Schedule, seed: int) -> Check:
+def _acceleration(series: PostureDependent, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Of the joints (n,) at a state (n,), (n,), with a torque on the drives (n,)."""
+    at = series.dynamics(q, v)
+    force = at.gravity[0] + at.jacobian[0].T @ torque - at.bias[0] - at.damping[0] @ v
+    return np.linalg.solve(at.mass[0], force)
+
+
+def _motion(subject: Subject, series: PostureDependent, seed: int) -> Check:
     """A swing of 0.1 s under held random torques about the middle of the workspace."""
     chain, model = subject.chain, subject.model
     assert chain is not None
-    joints = schedule.chain.box.mean(axis=1)
+    joints = series.box.mean(axis=1)
     q = chain.drive_position(joints)
     plant = linearise(chain, q, model.actuators.inertia, model.actuators.damping)
     swing = np.random.default_rng(seed).standard_normal((_ROWS // 10, model.size))
     torque = plant.holding + _SWING / np.sqrt(model.size) * np.repeat(swing, 10, axis=0) @ plant.mass
     drives = model.actuators.inertia, model.actuators.damping
     real = simulate(chain, *drives, torque, _PERIOD, q, substeps=2).position
-    world, path = ScheduledWorld(schedule, _STEP, "RK4", (joints, np.zeros_like(joints))), [q]
-    for row in torque:
-        world.advance(row, round(_PERIOD / _STEP))
-        path.append(schedule.chain.at(world.state()[0]).drives[0])
-    off = relative(np.array(path) - real, real - real[0])
-    return Check("posture_motion", off, 1e-6, "", f"MuJoCo, Drake, {_ROWS * _PERIOD:g} s")
+    states = [np.concatenate([joints, np.zeros_like(joints)])]
+    for held in torque:
+
+        def change(_: float, state: np.ndarray, held: np.ndarray = held) -> np.ndarray:
+            position, velocity = np.split(state, 2)
+            return np.concatenate([velocity, _acceleration(series, position, velocity, held)])
+
+        states.append(solve_ivp(change, (0.0, _PERIOD), states[-1], rtol=1e-10, atol=1e-12).y[:, -1])
+    path = series.at(np.array(states)[:, : model.size]).drives
+    off = relative(path - real, real - real[0])
+    return Check("posture_motion", off, 1e-6, "", f"{_SERIES}, Drake, {_ROWS * _PERIOD:g} s")
 
 
 def _well_inside(subject: Subject, chain: PostureDependent) -> np.ndarray:

@@ -15,7 +15,7 @@ import pytest
 
 from tests.bench_arm import bench_arm, logged
 from tests.data_helpers import two_mass
-from workbench.comparison import NoiseModel, followed, replay_of, simulate_with_noise
+from workbench.comparison import NoiseModel, followed, replay_of
 from workbench.core import EffectKey
 from workbench.diagnosis.evidence.frequency_response import (
     Responses,
@@ -60,7 +60,7 @@ def kept(make: Callable[..., Any]) -> Callable[..., Any]:
 def run(hidden: HiddenEffect | None, experiments: Sequence[Experiment], seed: int = 3):
     """Recordings and the model's runs of them, with the sensors' levels."""
     made = VirtualLeg([hidden] if hidden else [], seed=seed).run(list(experiments))
-    simulated = simulate_with_noise(load_model("leg"), tuple(made), seed=0)
+    simulated = replay_of(load_model("leg"), made).with_noise(load_model("leg"), 0)
     return made, simulated.clean, simulated.noise.levels
 
 
@@ -142,7 +142,7 @@ def test_a_soft_joint_is_a_pair_that_the_model_has_not() -> None:
 def test_a_measured_coupling_is_a_pair_that_a_rigid_model_has_not(tmp_path: Path) -> None:
     model, recording = two_mass(tmp_path)
     measured = load_recording(recording)
-    run_of_it = simulate_with_noise(load_model(model), (measured,), draws=2).clean
+    run_of_it = replay_of(load_model(model), (measured,)).with_noise(load_model(model), 0, 2).clean
     found = responses([measured], run_of_it)
     assert found is not None
     (line,) = resonance_lines(found, "motor")

@@ -182,7 +182,7 @@ def distortion_lines(found: Responses, axis: str | None, *, odd: bool = True, ev
 
 
 def _share(d: Distortion, kind: str, output: int) -> float:
-    return float(np.nan_to_num((d.odd_share if kind == "odd" else d.even_share)[output]))
+    return float(np.nan_to_num(getattr(d, kind)[output]))
 
 
 def _as_run(recording: Recording, run: Recording) -> Recording:

@@ -24,10 +24,9 @@ import numpy as np
 
 from workbench.core import InputError
 from workbench.models import Model, load_mjcf
+from workbench.s3n.posture import PostureDependent
+from workbench.s3n.worlds import INTEGRATORS
 from workbench.serial_tree import SerialTree
-
-from .posture import PostureDependent
-from .worlds import INTEGRATORS
 
 Beyond = Literal["raise", "hold"]
 _TOLERANCE = 1e-9  # size of terms that the series leave out, relative; less takes longer at every step

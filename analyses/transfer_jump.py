@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.rigs import Sensors
-
-from .machine import LEGS, STEP_S, Machine
-from .plant import Plant
-from .robot import IDEAL, Robot
-from .rollout import Log, run
-from .situation import Array, Situation
+from workbench.training.machine import LEGS, STEP_S, Machine
+from workbench.training.plant import Plant
+from workbench.training.robot import IDEAL, Robot
+from workbench.training.rollout import Log, run
+from workbench.training.situation import Array, Situation
 
 SECONDS = 1.6
 _CROUCH_S, _REST_S, _STRETCH_S, _TUCK_S = 0.4, 0.3, 0.12, 0.1

@@ -5,12 +5,12 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from posture_schedule import Schedule
+from posture_worlds import ScheduledWorld
 
 from tests.s3n.postures import NAMES, drake, exact, model, schedule, series, states
 from workbench.core import InputError, SimulationError
 from workbench.mechanism.simulate import simulate
-from workbench.s3n.posture_schedule import Schedule
-from workbench.s3n.posture_worlds import ScheduledWorld
 from workbench.s3n.worlds import World
 
 PERIOD, ROWS = 0.002, 40

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from posture_schedule import Schedule, pair_tendon
 
 from workbench.core import SimulationError
-
-from .posture_schedule import Schedule, pair_tendon
-from .worlds import State, World
+from workbench.s3n.worlds import State, World
 
 
 class ScheduledWorld(World):
