@@ -67,7 +67,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     )
     m.opt.timestep = 0.0005
     d, rows, rng = mujoco.MjData(m), [], np.random.default_rng(0)
-    for k in range(1500):
+    for k in range(800):
         t = 0.002 * k
         reference = 0.4 * np.sin(2 * np.pi * np.array([0.7, 1.1]) * t) * min(t, 1.0)
         q, w = d.qpos + 1e-4 * rng.standard_normal(2), d.qvel + 1e-3 * rng.standard_normal(2)
