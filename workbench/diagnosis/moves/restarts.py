@@ -38,16 +38,16 @@ def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
-    """Return one effect, or a few that belong together, on every axis that needs it and nothing else; asked
-    once.
+    """Return one effect, or a few that belong together, on every axis that needs it; asked once.
 
-    They are one of a dozen sets, not of thousands: what explains the data is enough.
+    They are one of a dozen sets, not of thousands: what explains the data is enough. More may be missing
+    beside them.
     """
     if not problem.is_new("all axes"):
         return
     steps = shared_effects(problem)
     if steps:
-        yield with_steps(node_after((), problem), steps, problem.seed)
+        yield with_steps(node_after((), problem).begun(growth=_PLAIN), steps, problem.seed)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
