@@ -73,6 +73,7 @@ class Policy:
     next_best_doubt: float = 0.5  # probability lost where the next explanation does as well; less sure names
     next_best_decay: float = 8.0  # how fast that goes with the relative error of the next; surer names
     rival_doubt: float = 0.25  # weight of rivals in the probability, times their number²; less sure names
+    plain_parameters: int = 2  # parameters up to which no early effect is doubted; fewer new starts
     ground_error: float = 1.5  # rms error / noise up to which names stand on the ground; more names
 
     # Screening
@@ -176,6 +177,8 @@ class Policy:
     onset_simulated: int = 2  # fits of these that are asked how friction sets in
     compliance_candidates: int = 4  # gaps and soft joints that are simulated
     pair_values: float = 3e8  # numbers in the responses of all effects, that fit into memory; else no pairs
+    pairs_solved: int = 300  # pairs that are solved within bounds
+    pairs_simulated: int = 6  # pairs that are simulated
     sets_simulated: int = 4  # sets on every axis that are simulated
     doubted_singly: int = 3  # least certain effects that are left out one at a time, beside many at once
     replacements: int = 3  # others that are tried in place of a cause

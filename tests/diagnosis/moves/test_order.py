@@ -31,6 +31,7 @@ def test_at_the_noise_only_simpler_models_are_asked_for() -> None:
     starts = wanted(wrong, problem)
     assert {
         "one cause on every axis",
+        "two causes at once",
         "a gap or soft joint that explains the residual torque",
     } <= starts
     assert "one cause in place of two" not in starts, "what explains less is not named"

@@ -11,6 +11,7 @@ from ..node import Growth, Node, explains_data
 from ..node_acceptance import EXPLAINED, may_be_named, standing
 from ..policy import POLICY
 from ..problem import Problem
+from ..screening.compliance import other_causes
 from . import restarts
 from .grid_refinement import with_refined_gap
 from .joint_solution import of_all_axes, one_effect_may_suffice
@@ -89,6 +90,15 @@ def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
     return not on_one_axis or _may_be_wrong(best, problem)
 
 
+def _unexplained_or_ambiguous(node: Node, best: Node, problem: Problem) -> bool:
+    """Return whether nothing explains the recordings, or an early effect may be wrong and later ones may
+    correct it.
+    """
+    if not _is_plain(node, problem):
+        return False
+    return standing(best, problem) < EXPLAINED or (node is best and _is_ambiguous(node, problem))
+
+
 def _best(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether this node comes from forward selection and is the best."""
     return node is best and bool(node.steps) and not node.jointly
@@ -119,12 +129,20 @@ def _may_be_wrong(best: Node, problem: Problem) -> bool:
     return not best.done and not near_noise_floor(best.current, best.data)
 
 
+def _is_ambiguous(node: Node, problem: Problem) -> bool:
+    model, more = problem.start.hypothesis.model, node.size > POLICY.plain_parameters
+    return more and any(
+        other_causes(model, step.added, step.indistinguishable_at(node.current)) for step in node.steps[:-1]
+    )
+
+
 MOVES = (
     Move("all axes together", of_all_axes, _jointly_first, cheap=True),
     Move(ONE_BY_ONE, _grown, _first),
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that explains the residual torque", restarts.clear_compliance, _above_noise),
     Move("one cause on every axis", restarts.on_all_axes, _on_axes_not_at_noise),
+    Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
     Move("another cause in place of one", replaced, _best_above_noise),
     Move("one cause in place of two", merged, _best_explains),

@@ -20,6 +20,7 @@ from ..problem import Problem
 from ..search_result import AcceptedStep
 from .add import grown
 from .compliance_from_torque import compliance_from_torque
+from .pairs import best_pair
 from .shared_effects import shared_effects
 
 _PLAIN, _THROUGH = Growth(), Growth(through_divergence=True)
@@ -48,6 +49,11 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
     steps = shared_effects(problem)
     if steps:
         yield with_steps(node_after((), problem).begun(growth=_PLAIN), steps, problem.seed)
+
+
+def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
+    """Return the best pair of effects: the best first step may be neither of them."""
+    yield from _begun(node_after((), problem), best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:

@@ -14,7 +14,6 @@ from workbench.models import AppliedEffect
 from workbench.report.wording import any_of, effect_name
 
 from ..acceptance import (
-    degrades_holdout,
     explains_most,
     holdout_insensitive,
     improves_an_axis,
@@ -29,12 +28,13 @@ from ..policy import POLICY
 from ..problem import Problem
 from ..removed_share import removed_shares
 from ..screening.candidate import Candidate
-from ..screening.equations import Entry, Equations, bounds_of, equations
+from ..screening.equations import Entry, Equations, equations
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep, steps_through
-from ..significance import cancel_each_other, identifiable, significance
+from ..significance import significance
 from .choice import loss_ratios, simplest_first
+from .sets import is_sound, solved_together
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
@@ -74,7 +74,7 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     floor = test_noise_floor(data)
     for names, found in simplest_first(fits, data, POLICY.later_gain):
         best = converged(needed(tune_sliding_speed(found, data, floor), data), data)
-        if len(best.hypothesis.free) > 1 and _is_sound(best, linearisation, data, start):
+        if len(best.hypothesis.free) > 1 and is_sound(best, linearisation, data, start):
             others = [(f.hypothesis.free[0].key, f.test_loss) for n, f in fits if _other_causes(n, names)]
             return _steps(best, others, data, start)
     return ()
@@ -131,7 +131,7 @@ def _promising(
     for option, own in _sets(at_drives, linearisation, whole, excess, start.test_loss):
         gone = (1.0 - POLICY.promising) * sum(excess[a] for a in {e.key.axis for e in own} if a)
         most = floor + max(start.test_loss - floor, 0.0) - gone
-        test_loss, chosen = _solved_together(own, linearisation, whole)
+        test_loss, chosen = solved_together(own, linearisation, whole)
         if test_loss < min(most, best[option][0] if option in best else np.inf):
             best[option] = test_loss, chosen
     return [(option, chosen) for option, (_, chosen) in sorted(best.items(), key=lambda b: b[1][0])]
@@ -213,25 +213,3 @@ def _steps(
         return {"ranking": ranking, "loss_ratios": loss_ratios(key, best.test_loss, others)}
 
     return steps_through(start, found, data, told)
-
-
-def _solved_together(
-    entries: Sequence[Entry], linearisation: Linearisation, whole: Equations
-) -> tuple[float, tuple[Candidate, ...]]:
-    """Return the loss of effects on data they were not fitted on, and each effect with its coefficients."""
-    test_loss, solution = whole.judged(entries, bounds_of(linearisation, entries))
-    parts = np.split(solution, np.cumsum([len(e.linear) for e in entries])[:-1])
-    found = (Candidate(e.key, x, e.shape, test_loss) for e, x in zip(entries, parts, strict=True))
-    return test_loss, tuple(found)
-
-
-def _is_sound(found: Fit, linearisation: Linearisation, data: Data, start: Fit) -> bool:
-    """Return whether effects explain most, each is identifiable, and none cancels another or degrades the
-    holdout.
-    """
-    return (
-        explains_most(found, start, data)
-        and identifiable(linearisation, found)
-        and not cancel_each_other(linearisation, found)
-        and not degrades_holdout(found, start, data)
-    )
