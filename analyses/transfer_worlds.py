@@ -12,7 +12,7 @@ from workbench.core import InputError
 from workbench.effects.chain import Build, TorqueChain
 from workbench.effects.ground import lay_ground, settle_contacts
 from workbench.models import Ground, Model
-from workbench.training.machine import LEGS, Machine
+from workbench.training.machine import LEGS, STEP_S, STIFF_S, Machine
 
 _LAW, _FRICTION = "contact_compliance", "ground_friction"
 
@@ -75,8 +75,8 @@ class ContactLaw:
 
 
 #: As `train --stiff-contact` has it; and with short steps and a round friction cone, which resolve it.
-TRAINING = ContactLaw(0.006, 0.003, elliptic=False)
-EVALUATION = ContactLaw(0.006, 0.0005, elliptic=True)
+TRAINING = ContactLaw(STIFF_S, STEP_S, elliptic=False)
+EVALUATION = ContactLaw(STIFF_S, 0.0005, elliptic=True)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ class Policy:
     later_fall: float = 0.10  # share of the whole rms error that a later effect removes; fewer of them
     later_tolerance: float = 0.02  # share of the first error that weighs as noise there; fewer of them
     plain_rest_left: float = 0.15  # share that a later effect may leave of a small plain rest; more of them
-    most_of_excess: float = 0.75  # share that is "most": of bold steps, pairs, sets; fewer of them
+    most_of_excess: float = 0.75  # share that is "most": of pairs and sets; fewer of them
     exchange_left: float = 0.5  # share that another cause may leave, to take the place of one; more exchanges
     cancelling: float = 5.0  # torques of effects one by one, over their sum; they may undo each other
     significant: float = 3.0  # deviations by which sizes or responses differ for certain; fewer names

@@ -24,9 +24,7 @@ from .quadruped import LEGS, base_height, quadruped
 from .rotors import Rotors, no_rotors, rotors_of
 
 STEP_S = 0.003  # simulation and control
-STIFF_S = (
-    2.0 * STEP_S
-)  # time constant of the stiffest contact that this step allows; MuJoCo's default is 20 ms
+STIFF_S = 2.0 * STEP_S  # of the stiffest contact that this step allows; MuJoCo's default is 20 ms
 POLICY_STEPS = 6  # control steps a policy step: 18 ms
 ABDUCTION_LIMIT = 0.6  # rad
 # under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands

@@ -14,7 +14,10 @@ from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
+from workbench.diagnosis.moves.add import grown
+from workbench.diagnosis.moves.restarts import on_all_axes
 from workbench.diagnosis.moves.shared_effects import needed, shared_effects
+from workbench.diagnosis.node import Node
 from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Model
@@ -38,9 +41,17 @@ def gantry(slides: int = 3) -> Model:
 
 
 def played(
-    name: str, seed: int, coulomb: Sequence[float], damping: Sequence[float], hum: float | np.ndarray = 0.0
+    name: str,
+    seed: int,
+    coulomb: Sequence[float],
+    damping: Sequence[float],
+    hum: float | np.ndarray = 0.0,
+    spring: float = 0.0,
 ) -> Recording:
-    """The slides under PD in small steps, with dry friction that holds where it can, in a `hum` of 3 Hz."""
+    """The slides under PD in small steps, with dry friction that holds where it can, in a `hum` of 3 Hz.
+
+    `spring`: of the first [N/m].
+    """
     slides = len(coulomb)
     mass, kp, kd = _MASS[:slides], _KP[:slides], _KD[:slides]
     generator, t = np.random.default_rng(seed), np.arange(1500) * _STEP
@@ -50,7 +61,7 @@ def played(
     reference = 0.05 * rise**2 * np.sin(2.0 * np.pi * tones * t[:, None] + phases).sum(axis=0)
     reference -= reference[0]
     q, w, fine = np.zeros(slides), np.zeros(slides), 40
-    rows = []
+    rows, stiffness = [], spring * np.eye(slides)[0]
     for now, r in zip(t, reference, strict=True):
         pushed = hum * np.sin(2.0 * np.pi * 3.0 * now + np.arange(slides))
         seen = q + 2e-6 * generator.standard_normal(slides), w + 2e-4 * generator.standard_normal(slides)
@@ -59,7 +70,7 @@ def played(
         for _ in range(fine):
             h, before = _STEP / fine, w
             drag = 0.5 * h / mass * np.asarray(damping)
-            w = ((1.0 - drag) * w + h / mass * (force + pushed)) / (1.0 + drag)
+            w = ((1.0 - drag) * w + h / mass * (force + pushed - stiffness * q)) / (1.0 + drag)
             w = np.sign(w) * np.maximum(np.abs(w) - h / mass * np.asarray(coulomb), 0.0)
             q = q + 0.5 * h * (before + w)
     names = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
@@ -89,6 +100,15 @@ def test_damping_and_dry_friction_on_every_axis_are_two_causes() -> None:
     free = steps[-1].fit.hypothesis.free
     torque = {a.key.axis: a.values["torque"] for a in free if a.key.effect == "coulomb_friction"}
     assert np.allclose([torque[axis] for axis in _AXES[:3]], [1.5, 0.8, 0.4], rtol=0.05)
+
+
+def test_more_may_be_missing_beside_one_cause_on_every_axis() -> None:
+    runs = [played(f"r{k}", k, (0.0, 0.0, 0.0), (12.0, 5.0, 2.0), spring=60.0) for k in range(3)]
+    problem = asked(gantry(), runs[:2], runs[2:])
+    (begun,) = on_all_axes(Node(problem.start, problem.data), problem)
+    assert {k.effect for k in begun.keys} == {"viscous_damping"} and not begun.done
+    end = grown(begun, problem)
+    assert end.keys - begun.keys == {EffectKey("parallel_spring", "x")} and end.done
 
 
 def test_an_axis_that_does_well_without_is_left_out() -> None:

@@ -13,12 +13,7 @@ from workbench.effects import EFFECTS, SignalStage, kinds
 from workbench.models import AppliedEffect
 from workbench.report.wording import any_of, effect_name
 
-from ..acceptance import (
-    explains_most,
-    holdout_insensitive,
-    improves_an_axis,
-    near_noise_floor,
-)
+from ..acceptance import explains_most, holdout_insensitive, improves_an_axis, near_noise_floor
 from ..data import Data
 from ..fitting.fit import fit, successive_halving
 from ..fitting.refinement import converged, tune_sliding_speed, with_candidates
