@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,9 +70,23 @@ def test_one_more_torque_is_what_an_effect_of_that_torque_does(location: str) ->
     np.testing.assert_allclose(added.passed, built.passed, atol=0.01 * size)
 
 
-def test_a_gap_is_told_by_means_of_rows_once_it_has_settled() -> None:
+def test_a_gap_is_told_by_means_over_a_time_once_it_has_settled() -> None:
+    """Whatever the rate of the log."""
     seen = passage(LEG)
-    rows = seen.unforeseen(0.01, 0.005, 300.0, 0.0)
+    error = np.where(seen.known, seen.unforeseen(0.01, 0.005, 300.0, 0.0), 0.0)
     means = seen.unforeseen_means(0.01, 0.005, 300.0, 0.0)
-    assert means[-1] == pytest.approx(rows[: len(rows) // 8 * 8][-8:].mean())
-    assert len(means) == len(rows) // 8 - 12
+    first, rows = round(0.2 / seen.step), round(0.016 / seen.step)
+    assert means[20] == pytest.approx(error[first + 20 * rows : first + 21 * rows].mean())
+    assert len(means) == (len(error) - first) // rows
+
+
+def test_what_friction_holds_at_rest_says_nothing_of_a_gap() -> None:
+    """Whatever the torque there."""
+    seen = passage(having(LEG, EffectKey("coulomb_friction", "knee"), torque=0.3))
+    rest = np.flatnonzero(~seen.known)[1:]  # the first says where it begins
+    assert 0 < len(rest) < len(seen.known) // 2
+    pushed = seen.passed.copy()
+    pushed[rest] += 5.0
+    other = replace(seen, passed=pushed)
+    ours, theirs = (p.unforeseen_means(0.01, 0.005, 300.0, 0.0) for p in (seen, other))
+    np.testing.assert_array_equal(ours, theirs)

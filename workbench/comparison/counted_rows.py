@@ -11,10 +11,10 @@ import numpy as np
 import scipy
 
 from workbench.core import Recording
+from workbench.simulation import edge_rows
 
 from .measured_motion import Reading
 
-_EDGE_S = 0.1  # where differentiating errs
 _RINGING, _RINGING_S = 10, 0.5  # of a gap, at most
 _SPREAD = 0.25  # of a period of the filter's corner frequency
 _STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
@@ -43,7 +43,7 @@ def moving(
         moves = scipy.ndimage.minimum_filter1d(moves, 2 * wide - 1, axis=0)
         # a torque counts where all move that it is made of: virtual work takes it there
         counts = np.stack([moves[:, c].all(axis=1) for c in _made_of(reading.to_actuator, rows)], axis=1)
-        edge = min(len(r) // 10, int(_EDGE_S / r.period))
+        edge = edge_rows(len(r), r.period)
         counts[:edge], counts[len(r) - edge :] = False, False
         near = np.asarray(
             scipy.ndimage.minimum_filter1d(r.valid, 2 * int(1.0 / reading.corner_hz / r.period) + 1), bool

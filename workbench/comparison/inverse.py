@@ -11,7 +11,7 @@ from workbench.core import InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
-from workbench.simulation import Track, motion_of, required_torque, scored_torque, smooth_track
+from workbench.simulation import Track, edge_rows, motion_of, required_torque, scored_torque, smooth_track
 
 _ORDER = 4
 _BAND = 50.0  # Hz: what machines move with, unless an excitation says more
@@ -76,7 +76,7 @@ def torque_pair(
     tap = torque_at_tap(plant, recording, track, to_actuator)
     needed = required_torque(plant, track, recording.period)
     measured, needed = lowpass(tap, recording), lowpass(needed, recording)
-    edge = min(len(tap) // 10, int(0.1 / recording.period))
+    edge = edge_rows(len(tap), recording.period)
     valid = recording.valid.copy()
     valid[:edge], valid[len(valid) - edge :] = False, False
     return measured, needed, valid

@@ -31,7 +31,7 @@ class Lack:
         step: of the rows [s].
         load: what passes through the spring when it is stiff, in the band, from its first value, (N,).
         column: torque on the drives per unit of the spring's answer, at some rows, (M, n).
-        missing: what the drives lack in the band, at the same rows, (M, n).
+        missing: what the drives lack in the band, at the same rows, (M, n); both zero where unknown.
         rows: which rows these are.
     """
 
@@ -47,11 +47,12 @@ class Lack:
         top = min(_BAND, 0.2 / motion.step)
         sos = scipy.signal.butter(2, top, fs=1.0 / motion.step, output="sos")
         rows = slice(None, None, max(1, round(0.2 / (top * motion.step))))
-        missing = np.asarray(scipy.signal.sosfiltfilt(sos, lacking(motion, model), axis=0))
+        missing = np.asarray(scipy.signal.sosfiltfilt(sos, lacking(motion, model) * motion.known, axis=0))
+        missing *= motion.known
         return Lack(
             motion.step,
             np.asarray(scipy.signal.sosfiltfilt(sos, load - load[0])),
-            column[rows],
+            (column * motion.known)[rows],
             missing[rows],
             rows,
         )

@@ -104,6 +104,8 @@ class Motion:
         torque: motor torque at the tap of ``torque_measured``, the mean over the row's step, (N, n).
         line: how the command came to be that torque.
         gain: the chain's gain behind the tap, (N, n): that of the motor, less what heat takes.
+        known: where the torque that drives lack is known, (N, n): away from the ends, and where no dry
+            friction of the model may hold.
         transmission: J with q_p = J q_s, (n, n).
         kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
         link: number of a serial joint -> motion of its body.
@@ -125,6 +127,7 @@ class Motion:
     torque: np.ndarray
     line: Line
     gain: np.ndarray
+    known: np.ndarray
     transmission: np.ndarray
     kinematics: Callable[[str], np.ndarray]
     link: Callable[[int], LinkMotion]

@@ -20,10 +20,10 @@ from .lacking import lacking
 from .motion import Motion
 
 _RATE = 180.0  # rad/s: how fast the state follows the torque that passed
-_MEAN = 8  # rows
+_MEAN_S = 0.016  # over which acceleration, noisy from row to row, is averaged
 _SLOW_S = 0.05  # what is slower than this the state follows, whatever it is
 _OWN = 0.7  # of the slow torque that is lacking: what the state may be drawn by
-_SETTLING = 12  # means
+_SETTLED_S = 0.2  # from which on the state has come to where it belongs
 _BLOWN_UP = 1e300  # left by what cannot be followed at all; infinities have no differences
 _SIMPLEX = np.diag([0.4, 0.2, 0.4])  # of logarithms
 _RATIOS = (0.05, 0.2, 0.6)  # of damping that are tried; below
@@ -42,20 +42,22 @@ class Passage:
         step: of the rows [s].
         load: torque that would pass through rigid links, (N,).
         passed: torque that passed as rotor and motor torque say, (N,).
+        known: rows (N,) on which it is known what passed.
     """
 
     step: float
     load: np.ndarray
     passed: np.ndarray
+    known: np.ndarray
 
     @staticmethod
     def of(motion: Motion, model: Model, place: Placement) -> Passage:
         """Return it along a motion, for a model that has no gap."""
-        load = transmitted(motion, model, place)
-        return Passage(motion.step, load, load - lacking(motion, model)[:, place.index])
+        load, index = transmitted(motion, model, place), place.index
+        return Passage(motion.step, load, load - lacking(motion, model)[:, index], motion.known[:, index])
 
     def unforeseen(self, inertia: float, gap: float, stiffness: float, retardation: float) -> np.ndarray:
-        """Return the transmitted torque minus the prediction of a gap, (N,).
+        """Return the transmitted torque minus the prediction of a gap, (N,); on all rows.
 
         Args:
             inertia: of the links.
@@ -63,14 +65,22 @@ class Passage:
             stiffness: of either flank, and its damping over it, `retardation` [s].
         """
         error = np.empty_like(self.load)
-        _observe(self.load, self.passed, self.step, inertia, gap, stiffness, retardation, _RATE, error)
+        _observe(
+            self.load, self.passed, self.known, self.step, inertia, gap, stiffness, retardation, _RATE, error
+        )
         return error
 
     def unforeseen_means(
-        self, inertia: float, gap: float, stiffness: float, retardation: float
+        self, inertia: float, gap: float, stiffness: float, retardation: float, seconds: float = _MEAN_S
     ) -> np.ndarray:
-        """Return means of it over `_MEAN` rows, (M,), by which gaps are compared."""
-        return _means(self.unforeseen(inertia, gap, stiffness, retardation), _MEAN)
+        """Return means of it over some time, (M,), by which gaps are compared; unknown rows add nothing."""
+        return self.means(self.unforeseen(inertia, gap, stiffness, retardation), seconds)
+
+    def means(self, values: np.ndarray, seconds: float) -> np.ndarray:
+        """Return means of values (N,) over some time, (M,), once the state has settled."""
+        rows = max(1, round(seconds / self.step))
+        known = np.where(self.known, values, 0.0)[int(_SETTLED_S / self.step) :]
+        return known[: len(known) // rows * rows].reshape(-1, rows).mean(axis=1)
 
     def with_torque(self, torque: np.ndarray, at_motor: bool) -> Passage:
         """Return the same with one more torque (N,), on the motor or on the links."""
@@ -91,11 +101,10 @@ def foresees(
     pull = 1.0 + _RATE**2 * inertia / stiffness / (1.0 + 0.5 * _RATE * retardation)
     drawn = lacked = 0.0
     for piece in pieces:
-        rows = max(_MEAN, round(_SLOW_S / piece.step))
-        error = piece.unforeseen(inertia, gap, stiffness, retardation)
+        error = piece.unforeseen_means(inertia, gap, stiffness, retardation, _SLOW_S)
         with np.errstate(over="ignore"):  # a draw beyond all numbers is more than what is lacking
-            drawn += pull**2 * float(np.sum(_means(error, rows) ** 2)) * rows
-        lacked += float(np.sum(_means(piece.load - piece.passed, rows) ** 2)) * rows
+            drawn += pull**2 * float(np.sum(error**2))
+        lacked += float(np.sum(piece.means(piece.load - piece.passed, _SLOW_S) ** 2))
     return drawn < _OWN**2 * lacked
 
 
@@ -153,12 +162,6 @@ def left_by(
     return sum(each if each < _BLOWN_UP else _BLOWN_UP for each in left)
 
 
-def _means(values: np.ndarray, rows: int) -> np.ndarray:
-    """Means over some rows of (N,) once they have settled: acceleration is noisy from row to row."""
-    whole = values[: len(values) // rows * rows].reshape(-1, rows)
-    return whole[-(-_SETTLING * _MEAN // rows) :].mean(axis=1)
-
-
 def _grid(*values: Sequence[float] | np.ndarray) -> np.ndarray:
     """All combinations, one per row."""
     return np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, len(values))
@@ -177,12 +180,12 @@ def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int,
 
 
 @compiled(nogil=True, fastmath={"contract"})
-def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error):  # pyright: ignore
+def _observe(load, passed, known, step, inertia, gap, stiffness, retardation, bandwidth, error):  # pyright: ignore
     """Follow the wind d between motor and links: inertia d'' = load - k dead(d) - k t d' where they touch.
 
     The state is drawn to where the torque that `passed` says that it is, as fast with damped flanks as with
-    others. Semi-implicit Euler, in steps that follow the contact; `error` (N,) is `passed` less the torque
-    that was foreseen.
+    others; where that is not `known` nothing draws it. Semi-implicit Euler, in steps that follow the
+    contact; `error` (N,) is `passed` less the torque that was foreseen.
     """
     many = int(np.ceil(step * np.sqrt(stiffness / inertia) / 0.3))
     h, half = step / many, 0.5 * gap
@@ -195,6 +198,8 @@ def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth
         damped = retardation * rate if into != 0.0 else 0.0
         away = passed[row] - stiffness * (into + damped)
         error[row] = away
+        if not known[row]:
+            away = 0.0
         wind += 2.0 * pull * away
         rate += bandwidth * pull * away
         driven = push * load[row]

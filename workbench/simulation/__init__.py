@@ -6,6 +6,7 @@ from .designs import as_recording, held_posture, holds, joint_limits, limits_of,
 from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
 from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
+from .known_rows import edge_rows
 from .law import law_torque
 from .linear import Loop, linearise, slopes
 from .motion import motion_of
@@ -20,8 +21,9 @@ from .unlogged_rate import differentiates, rate_read
 __all__ = [
     "GROUND_TORQUE", "LONGEST_STEP", "TRUE_MOTION", "Disturbance", "Experiment", "Loop", "PosturePlant",
     "Run", "SensorNoise", "Tangents", "Track", "Windows", "as_recording", "check_axes", "check_held",
-    "differentiates", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits", "law_torque",
-    "limits_of", "linearise", "motion_of", "on_all_cores", "predictor", "prepare", "propagate", "rate_read",
-    "refuse_joint_coordinates", "required_torque", "rigid_torque", "run_posture", "scored_torque", "shoot",
-    "simulate", "slopes", "smooth_track", "true_motion", "use_cores", "whole_period", "with_loop_of",
+    "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits",
+    "law_torque", "limits_of", "linearise", "motion_of", "on_all_cores", "predictor", "prepare", "propagate",
+    "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque", "run_posture",
+    "scored_torque", "shoot", "simulate", "slopes", "smooth_track", "true_motion", "use_cores",
+    "whole_period", "with_loop_of",
 ]  # fmt: skip

@@ -16,6 +16,7 @@ from .carried import carried_inertia
 from .clamped import before_clamp
 from .experiment import Experiment, prepare, scored_torque
 from .inverse import gain_along, required_torque
+from .known_rows import known_rows
 from .native import com_slopes, mass_matrices
 from .postures import link_motions, site_jacobian
 from .trajectory import Track, interpolate
@@ -64,6 +65,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         torque=torque,
         line=line,
         gain=gain_along(chain, torque, step),
+        known=known_rows(plant, track.velocity, step),
         transmission=model.transmission,
         kinematics=lambda site: site_jacobian(plant, track, site),
         link=lambda joint: links()[joint],

@@ -13,7 +13,7 @@ from workbench.core import Recording
 from workbench.effects import axis_units, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
-from workbench.simulation import Track, required_torque, scored_torque, smooth_track
+from workbench.simulation import Track, edge_rows, required_torque, scored_torque, smooth_track
 
 _STEP_S = 0.01  # between the rows that are looked at
 
@@ -85,7 +85,7 @@ def missing_torque(
         track = smooth_track(recording, about, to_actuator, levels.position_std, levels.velocity_std)
         tap = torque_at_tap(plant, recording, track, to_actuator)
         stride = max(1, round(_STEP_S / recording.period))
-        edge = min(len(recording) // 10, int(0.1 / recording.period))
+        edge = edge_rows(len(recording), recording.period)
         rows = slice(edge, len(recording) - edge, stride)
         thin = Track(
             *(lowpass(x, recording)[rows] for x in (track.position, track.velocity, track.acceleration))
