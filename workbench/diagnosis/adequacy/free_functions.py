@@ -36,7 +36,7 @@ class Adequacy:
     @property
     def is_adequate(self) -> bool:
         """Return whether the effect is certain, whatever else is missing."""
-        return self.share >= POLICY.explained and self.size > 0.0
+        return self.share >= POLICY.adequate and self.size > 0.0
 
 
 def against_free_functions(
