@@ -143,7 +143,7 @@ def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
     """
     link = _now(model, place)
     undriven = len(motions) > 0 and not any(np.any(m.torque) for m in motions)
-    if not link.mass_alone or undriven:
+    if undriven or not (link.mass_alone or link.slides):
         return ({},)
     lever = _lever(link.inertial, link)
     heavier = {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
@@ -182,16 +182,16 @@ class FirstMomentError(Effect):
         shows="torque residual like the link's weight and acceleration, on its axis and those before it",
         reveal="a slow sweep of this axis over its whole range, the others held; then a fast one",
         mujoco="native: the body's centre of mass, its mass and inertia",
-        needs="a link that has a mass, and on a slide one that another axis moves or that the slide lifts; "
-        "for a parallelogram, use the linkage's increments",
+        needs="a link that has a mass; for a parallelogram, use the linkage's increments",
     )
     search = Search(frf_signature=FrfSignature.EVEN)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """To a body that has a mass; of one that slides, where that is not the same as a rotor's."""
-        link = link_of(model, key.axis)
-        shows = link is not None and (link.mass_alone or not link.slides)
-        return shows and not is_parallelogram(model)
+        """Return True for a body that has a mass.
+
+        Of one that slides first, and level, a rotor looks the same, as far as it can be so large or small.
+        """
+        return link_of(model, key.axis) is not None and not is_parallelogram(model)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus what the shifted mass needs, per kg m; or one, per kg of mass at a lever."""
