@@ -64,6 +64,7 @@ def answer_of(said: dict[str, Any]) -> Answer:
         also = tuple(
             (other["effect"], None if other["effect"] in WHOLE else other["axis"])
             for other in finding.get("indistinguishable_from", [])
+            if other["effect"] in EFFECTS
         )
         place = None if effect in WHOLE else finding["axis"]
         named.append(Named(effect, place, values, finding["probability"], also))

@@ -134,7 +134,7 @@ class Policy:
     start_deviation: float = 0.01  # the same on the ground, for the few rows about each start; wider ones
 
     # Adequacy: certain although something else is missing
-    adequate: float = 0.9  # of what any smooth curve explains, what a law does (wrong ones: 0.85); fewer names
+    basic_law: float = 0.9  # as `explained`, of friction and inertia against any curve; fewer are certain
     fewest_moving_rows: int = 50  # rows on which an axis moves; fewer effects are certain
     mass_acts: float = 0.01  # share of a mass's squared torque that an axis has, to be asked; fewer axes are
 

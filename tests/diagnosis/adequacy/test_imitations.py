@@ -40,7 +40,7 @@ def test_less_than_nothing_of_one_law_is_the_curve_of_another(tmp_path: Path, re
     chosen = selection_of(tuple(e for e in regression.entries if e.key in {DAMPING, DRAG}), regression)
     found = fit_of_selection(regression, chosen, start, data)
     assert found is not None and found.hypothesis.keys == {DAMPING, DRAG}
-    assert imitations(regression, chosen.chosen, found.hypothesis.free) == told
+    assert imitations(regression, chosen.chosen, found.hypothesis.keys) == told
     assert imitate_another_law(found.hypothesis.free, regression) == bool(told)
     certain = certain_of(regression, start, data)
     assert certain is not None and (not told or not certain.known.keys() & told)

@@ -11,7 +11,7 @@ another law the first two.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -173,7 +173,7 @@ def _together(
             {},
             np.concatenate([np.full(len(a.rest), i) for i, (a, _) in enumerate(there)]),
         )
-        found = _of_law(joined, [own, ()], own)
+        found = replace(_of_law(joined, [own, ()], own), basic=_are_basic(keys))
         out |= {k: found for k in doubted if found.is_adequate and _agrees(k, keys, values, alone)}
     return out
 
@@ -201,8 +201,15 @@ def _agrees(
 def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:
     """Return the adequacy of all effects at one coordinate; effects of the same quantities form one law."""
     depends = [kinds.depends_on(effect_named(k.effect)) for k in keys]
-    found = {own: _of_law(axis, depends, own) for own in dict.fromkeys(d for d in depends if d)}
-    return {k: found[own] for k, own in zip(keys, depends, strict=True) if own}
+    found: dict[EffectKey, Adequacy] = {}
+    for own in dict.fromkeys(d for d in depends if d):
+        law = [k for k, d in zip(keys, depends, strict=True) if d == own]
+        found |= dict.fromkeys(law, replace(_of_law(axis, depends, own), basic=_are_basic(law)))
+    return found
+
+
+def _are_basic(law: Sequence[EffectKey]) -> bool:
+    return all(effect_named(key.effect).search.basic for key in law)
 
 
 def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...]) -> Adequacy:

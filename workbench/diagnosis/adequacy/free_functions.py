@@ -27,16 +27,18 @@ class Adequacy:
         size: the least over free functions of other quantities beside it of its size, less as many standard
             deviations of that as are significant; 1 is the size that was fitted.
         spread: the largest change of its size beside them.
+        basic: whether every drive has what the law says: inertia, damping, Coulomb friction.
     """
 
     share: float
     size: float
     spread: float
+    basic: bool = False
 
     @property
     def is_adequate(self) -> bool:
         """Return whether the effect is certain, whatever else is missing."""
-        return self.share >= POLICY.adequate and self.size > 0.0
+        return self.share >= (POLICY.basic_law if self.basic else POLICY.explained) and self.size > 0.0
 
 
 def against_free_functions(

@@ -6,12 +6,10 @@ the model has not so much damping to be taken off, no machine has these numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 
-import numpy as np
-
-from workbench.core import EffectKey, Estimate
-from workbench.effects import effect_named, kinds
+from workbench.core import EffectKey
+from workbench.effects import contains, effect_named, kinds
 from workbench.models import AppliedEffect
 
 from ..policy import POLICY
@@ -19,26 +17,21 @@ from ..screening.equations import Entry
 from ..screening.torque_regression import Chosen, Regression
 
 
-def imitations(
-    regression: Regression, chosen: Chosen, found: Sequence[AppliedEffect]
-) -> frozenset[EffectKey]:
+def imitations(regression: Regression, chosen: Chosen, found: Collection[EffectKey]) -> frozenset[EffectKey]:
     """Return effects of the same quantities of which the data want one clearly beyond a physical bound.
 
-    One that is alone there is as large as it can be, and imitates nothing.
+    So they may of a basic effect of these quantities that was not chosen. One that is alone there is as large
+    as it can be, and imitates nothing.
 
     Args:
         regression: from which they were selected.
         chosen: what was selected.
-        found: of it what was fitted, with the deviations of its numbers.
+        found: of it what was fitted.
     """
-    fitted = {a.key: a.parameters for a in found}
-    here = tuple(e for e in chosen if e.key in fitted)
-    laws = [[e for e in here if _of_one_law(e.key, first.key)] for first in here]
+    here = tuple(e for e in chosen if e.key in found)
+    laws = {frozenset(e.key for e in here if _of_one_law(e.key, first.key)) for first in here}
     return frozenset(
-        e.key
-        for law in laws
-        if len(law) > 1 and any(_wants_more(each, here, regression, fitted[each.key]) for each in law)
-        for e in law
+        key for law in laws if len(law) > 1 and _wants_more(law, here, regression) for key in law
     )
 
 
@@ -55,10 +48,24 @@ def imitate_another_law(added: Sequence[AppliedEffect], regression: Regression) 
         if shapes:
             best = min(shapes, key=lambda e: float(regression.left((*chosen, e)).sum()))
             chosen = (*chosen, best)
-    return bool(imitations(regression, chosen, added))
+    return bool(imitations(regression, chosen, {a.key for a in added}))
 
 
-def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Mapping[str, Estimate]) -> bool:
+def _wants_more(law: frozenset[EffectKey], chosen: Chosen, regression: Regression) -> bool:
+    """Return whether an effect of a law, or a basic one beside it, goes clearly beyond its bounds without
+    them.
+    """
+    basic = [
+        e
+        for e in regression.entries
+        if effect_named(e.key.effect).search.basic
+        and all(_of_one_law(e.key, k) and e.key != k and not contains(k, e.key) for k in law)
+    ]
+    asked = [(e, chosen) for e in chosen if e.key in law] + [(e, (*chosen, e)) for e in basic]
+    return any(_goes_beyond(entry, among, regression) for entry, among in asked)
+
+
+def _goes_beyond(entry: Entry, chosen: Chosen, regression: Regression) -> bool:
     """Return whether an effect, solved beside the others without its bounds, goes clearly beyond them."""
     low, high = regression.limits[entry]
     start = sum(len(e.linear) for e in chosen[: chosen.index(entry)])
@@ -66,9 +73,8 @@ def _wants_more(entry: Entry, chosen: Chosen, regression: Regression, fitted: Ma
     bounded = regression.solved(chosen).coefficients[place]
     if ((low < bounded) & (bounded < high)).all():
         return False  # a bound that holds nothing back changes nothing
-    own = regression.without_bounds(entry).solved(chosen).coefficients[place]
-    unknowns = effect_named(entry.key.effect).parameters.linear_of(entry.shape)
-    doubts = [POLICY.significant * fitted[u.name].std if u.name in fitted else np.inf for u in unknowns]
+    free = regression.without_bounds(entry).solved(chosen)
+    own, doubts = free.coefficients[place], POLICY.significant * free.deviations[place]
     return bool(((own < low - doubts) | (own > high + doubts)).any())
 
 

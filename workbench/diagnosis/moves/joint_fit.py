@@ -61,7 +61,7 @@ def certain_of(
     whole = fit_of_selection(regression, chosen, start, data)
     if whole is None or (is_consistent(data, whole.mean_squares) and not whatever_is_left):
         return whole and Certain(regression, chosen, whole, {})
-    others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.free)
+    others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
     found = adequacies(whole, start, data)
     known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
     return Certain(regression, chosen, whole, known)

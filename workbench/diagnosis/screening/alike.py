@@ -36,9 +36,10 @@ def in_common(now: Selection, regression: Regression) -> Selection:
 
 def _apart(now: Selection) -> Selection:
     """Return the selection with one effect per joint, and which of them share a size."""
-    parts = np.split(now.solution.coefficients, np.cumsum([len(e.linear) for e in now.chosen])[:-1])
+    ends, found = np.cumsum([len(e.linear) for e in now.chosen])[:-1], now.solution
+    parts = np.split(np.vstack([found.coefficients, found.each]), ends, axis=1)
     pairs = [(m, own) for e, own in zip(now.chosen, parts, strict=True) for m in e.members]
-    coefficients = np.concatenate([own for _, own in pairs])
-    solution = Solution(coefficients, now.solution.validated, now.solution.test_loss)
+    both = np.hstack([own for _, own in pairs])
+    solution = Solution(both[0], found.validated, found.test_loss, both[1:])
     shared = tuple(frozenset(m.key for m in e.alike) for e in now.chosen if e.alike)
     return replace(now, chosen=tuple(m for m, _ in pairs), solution=solution, shared=shared)

@@ -33,11 +33,19 @@ class Solution:
         coefficients: of the set, (C,).
         validated: mean square left on blocks that were left out of the fit, per axis (n,).
         test_loss: the same on held-out recordings; `validated` where these do not judge.
+        each: coefficients with each of F folds left out of the fit, (F, C).
     """
 
     coefficients: np.ndarray
     validated: np.ndarray
     test_loss: np.ndarray
+    each: np.ndarray
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Return how far coefficients move with what they are fitted to (jackknife), (C,)."""
+        folds = len(self.each)
+        return np.sqrt((folds - 1) / folds * np.sum((self.each - self.each.mean(axis=0)) ** 2, axis=0))
 
 
 @dataclass(frozen=True)
@@ -143,13 +151,16 @@ class Regression:
             return self._solved(tuple(chosen), range(len(self.floor)), without)
         bare = self._part((), range(len(self.floor)))
         left, test_loss = bare.validated.copy(), bare.test_loss.copy()
-        found = {e: np.zeros(len(e.linear)) for e in chosen}  # what acts on no axis stays nothing
+        # what acts on no axis stays nothing; the coefficients of all data come first
+        found = {e: np.zeros((1 + len(self.folds), len(e.linear))) for e in chosen}
         for axes, own in self._apart(chosen):
             part = self._part(own, axes)
             left[axes], test_loss[axes] = part.validated, part.test_loss
             ends = np.cumsum([len(e.linear) for e in own])[:-1]
-            found |= dict(zip(own, np.split(part.coefficients, ends), strict=True))
-        return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, test_loss)
+            both = np.vstack([part.coefficients, part.each])
+            found |= dict(zip(own, np.split(both, ends, axis=1), strict=True))
+        whole = np.hstack([np.zeros((1 + len(self.folds), 0)), *(found[e] for e in chosen)])
+        return Solution(whole[0], left, test_loss, whole[1:])
 
     def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
         """Groups of effects that share no axis, with their axes; effects that act on no axis are dropped."""
@@ -193,14 +204,14 @@ class Regression:
         whole = total(wholes)
         coefficients = solve(whole, *limits) if without else self._fit(chosen, axes)[0]
         left = np.zeros(len(axes))
-        for fold, own in zip(folds, wholes, strict=True):
-            rest = solve(whole - own, *limits)
+        each = np.stack([solve(whole - own, *limits) for own in wholes])
+        for fold, rest in zip(folds, each, strict=True):
             left += [axis.after(rest) for axis in fold]
         left *= len(axes) / whole.samples
         if self.held_out is None:
-            return Solution(coefficients, left, left)
+            return Solution(coefficients, left, left, each)
         test_loss = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
-        return Solution(coefficients, left, np.array(test_loss))
+        return Solution(coefficients, left, np.array(test_loss), each)
 
 
 def _columns(chosen: Chosen) -> list[int]:
