@@ -23,6 +23,7 @@ from .equations import Entry
 from .sensitivity import Linearisation
 
 Chosen = tuple[Entry, ...]
+_Group = tuple[tuple[int, ...], Chosen]  #: axes, and effects that act on these and no others
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,10 @@ class Regression:
         default_factory=dict, init=False, repr=False, compare=False
     )
     _copies: dict[EffectKey, list[Entry]] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _left: dict[Chosen, np.ndarray] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _groups: dict[Chosen, tuple[_Group, ...]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @cached_property
     def _axes(self) -> tuple[Normal, ...]:
@@ -136,10 +141,13 @@ class Regression:
 
     def left(self, chosen: Sequence[Entry]) -> np.ndarray:
         """Return the mean square per axis (n,) that a set of effects leaves on the data it is fitted to."""
-        left = np.array([axis.square / axis.samples for axis in self._axes])
-        for axes, own in self._apart(chosen):
-            left[axes] = self._fit(own, axes)[1]
-        return left
+        chosen = tuple(chosen)
+        if chosen not in self._left:
+            left = np.array([axis.square / axis.samples for axis in self._axes])
+            for axes, own in self._apart(chosen):
+                left[list(axes)] = self._fit(own, axes)[1]
+            self._left[chosen] = left
+        return self._left[chosen]
 
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
         """Return the fit of a set of effects within physical bounds, with its loss on other data.
@@ -153,26 +161,32 @@ class Regression:
         left, test_loss = bare.validated.copy(), bare.test_loss.copy()
         # what acts on no axis stays nothing; the coefficients of all data come first
         found = {e: np.zeros((1 + len(self.folds), len(e.linear))) for e in chosen}
-        for axes, own in self._apart(chosen):
-            part = self._part(own, axes)
-            left[axes], test_loss[axes] = part.validated, part.test_loss
+        for axes, own in self._apart(tuple(chosen)):
+            part, rows = self._part(own, axes), list(axes)
+            left[rows], test_loss[rows] = part.validated, part.test_loss
             ends = np.cumsum([len(e.linear) for e in own])[:-1]
             both = np.vstack([part.coefficients, part.each])
             found |= dict(zip(own, np.split(both, ends, axis=1), strict=True))
         whole = np.hstack([np.zeros((1 + len(self.folds), 0)), *(found[e] for e in chosen)])
         return Solution(whole[0], left, test_loss, whole[1:])
 
-    def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
-        """Groups of effects that share no axis, with their axes; effects that act on no axis are dropped."""
-        groups: list[tuple[frozenset[int], list[int]]] = []
-        for number, entry in enumerate(chosen):
-            axes, own = self.axes_of(entry), [number]
-            touched = [group for group in groups if not group[0].isdisjoint(axes)]
-            for group in touched:
-                groups.remove(group)
-                axes, own = axes | group[0], group[1] + own
-            groups += [(axes, own)] if axes else []
-        return [(sorted(axes), tuple(chosen[k] for k in sorted(own))) for axes, own in groups]
+    def _apart(self, chosen: Chosen) -> tuple[_Group, ...]:
+        """Groups of effects that share no axis, with their axes; effects that act on no axis are dropped.
+
+        Sets that are asked for begin alike: what the last effect joins is worked out, all else is kept.
+        """
+        if not chosen:
+            return ()
+        if chosen not in self._groups:
+            before, last = self._apart(chosen[:-1]), chosen[-1]
+            axes = self.axes_of(last)
+            apart = tuple(g for g in before if axes.isdisjoint(g[0]))
+            touched = [g for g in before if g not in apart]
+            if axes:
+                own = sorted((e for g in touched for e in g[1]), key=chosen.index)
+                apart += ((tuple(sorted(axes.union(*(g[0] for g in touched)))), (*own, last)),)
+            self._groups[chosen] = apart
+        return self._groups[chosen]
 
     def _part(self, chosen: Chosen, axes: Sequence[int]) -> Solution:
         """Return the (cached) fit of effects on all of their axes."""
