@@ -140,6 +140,21 @@ def test_one_name_of_several_is_no_fact(diagnosis):
     assert "look the same" not in sentence(replace(diagnosis, findings=(replace(alike, probability=0.6),)))
 
 
+def test_of_many_causes_only_those_in_doubt_are_told_one_by_one(diagnosis) -> None:
+    sure = [
+        replace(diagnosis.findings[0], key=EffectKey("viscous_damping", axis), probability=0.98)
+        for axis in ("hip", "knee", "ankle")
+    ]
+    alike = (EffectKey("link_inertia_error", "hip"),)
+    doubted = replace(
+        sure[0], key=EffectKey("reflected_inertia", "hip"), probability=0.2, indistinguishable_from=alike
+    )
+    assert sentence(replace(diagnosis, findings=(sure[0], doubted, *sure[1:]))) == (
+        "Four effects are missing: viscous damping on the hip, knee and ankle drives and reflected inertia "
+        "on the hip drive (or another cause that looks the same)."
+    )
+
+
 def test_shares_say_where():
     share = Share("knee", "torque_measured", "speed", (-1.0, 1.0), "rad/s", 0.64)
     assert share_phrase(share) == "64 % is in the knee torque, at speeds of −1 to 1 rad/s"

@@ -139,12 +139,13 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
     if len(findings) == 1:
         one = findings[0]
         return f"Something is missing{too}: {sized_phrase(one.key, one.parameters)}{_or(one)}."
-    doubted = any(map(_or, findings))
     keys = [f.key for f in findings]
     first = [f for f in findings if f.key in one_of_a_kind(keys)]
     phrase = sized_in_list if len(first) == len(keys) <= _FEW else lambda key, _: effect_phrase(key)
-    each = [f"{phrase(f.key, f.parameters)}{harmonics(f.key, keys)}{_or(f)}" for f in first]
-    names = any_of(each if doubted or len(keys) <= _FEW else effect_phrases(keys), "and")
+    each = {f.key: f"{phrase(f.key, f.parameters)}{harmonics(f.key, keys)}{_or(f)}" for f in first}
+    doubted = [key for f in first if _or(f) for key in keys if key.same_place(f.key)]
+    told = effect_phrases([k for k in keys if k not in doubted]) + [each[k] for k in doubted if k in each]
+    names = any_of(list(each.values()) if len(keys) <= _FEW else told, "and")
     return f"{capital(_count(len(findings)))} effects are missing{too}: {names}."
 
 
