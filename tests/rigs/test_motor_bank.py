@@ -9,6 +9,7 @@ import pytest
 
 from tests.can.make import config, motor
 from workbench.can import CanConfig, Feedback, Setpoint, make_drive
+from workbench.can.messages import burst
 from workbench.importing import own_plants
 from workbench.rigs import MotorBank
 
@@ -34,13 +35,15 @@ def _told(robot: CanConfig, bank: MotorBank, said: list, axis: str) -> Feedback:
 
 def _ask(robot: CanConfig, bank: MotorBank, torque: float) -> None:
     for m in robot.motor:
-        bank.motors[m.axis].hear(make_drive(m).command(Setpoint(0.0, 0.0, 0.0, 0.0, torque)))
+        for frame in burst(make_drive(m).command(Setpoint(0.0, 0.0, 0.0, 0.0, torque))):
+            bank.motors[m.axis].hear(frame)
 
 
 def _on(robot: CanConfig, bank: MotorBank) -> None:
     for m in robot.motor:
         bank.motors[m.axis].parameters["watchdog"] = 0.0
-        bank.motors[m.axis].hear(make_drive(m).act("enable"))
+        for frame in burst(make_drive(m).act("enable")):
+            bank.motors[m.axis].hear(frame)
     bank.work(0.0)
 
 
