@@ -66,6 +66,9 @@ def test_its_policy_comes_back_as_recordings_that_its_model_explains(limb: Path)
     assert done.returncode == 0, done.stderr
     done = run("evaluate", "run/bundle.zip", "--seconds", 1.5, "-o", "evaluated", cwd=limb)
     assert done.returncode == 0 and "the closed chain of" in done.stdout, done.stderr
+    done = run("show", "run/bundle.zip", "--seconds", 1.5, "-o", "page.html", cwd=limb)
+    assert done.returncode == 0, done.stderr
+    assert "Trained in a tree fitted to its loops" in (limb / "page.html").read_text()
     _robot(limb)
     done = run("deploy", "run/bundle.zip", "robot.toml", "--dry-run", "--seconds", 3, "-o", "kept", cwd=limb)
     assert done.returncode == 0, done.stdout + done.stderr
