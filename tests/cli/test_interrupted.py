@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -89,3 +90,21 @@ def test_a_log_that_exists_is_written_over_only_by_force(folder: Path) -> None:
     finally:
         bus.send_signal(signal.SIGINT)
         bus.communicate(timeout=30)
+
+
+def test_virtual_hardware_says_what_it_is_and_that_it_ended_by_itself(folder: Path) -> None:
+    content = table(
+        [motor("hip", 1), motor("knee", 2)], mechanism=[{"model": "four_bar", "axes": ["hip", "knee"]}]
+    )
+    content["bus"][0]["channel"] = str(folder / "can0")
+    (folder / "robot.toml").write_text(tomli_w.dumps(content))
+    process = started(WORDS["can virtual"], folder)
+    listed = subprocess.run(
+        ["ps", "-o", "pid=,args=", "--ppid", str(process.pid)], capture_output=True, text=True
+    )
+    [motors] = [line.split()[0] for line in listed.stdout.splitlines() if "can motors" in line]
+    os.kill(int(motors), signal.SIGKILL)
+    _, err = process.communicate(timeout=30)
+    first, last = err.strip().splitlines()
+    assert first.startswith("Virtual hardware of four_bar: "), err
+    assert process.returncode == 1 and "ended by itself" in last, err

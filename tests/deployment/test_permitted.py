@@ -69,9 +69,9 @@ def test_a_policy_that_is_not_approved_is_for_dry_runs(tmp_path: Path) -> None:
     config, loaded = load_config(leg(tmp_path)), read_bundle(bundle(tmp_path))
     with pytest.raises(InputError, match=r"not approved: its model had no verification .*--unapproved"):
         permitted(config, loaded, dry=False, unapproved=False, tested=False)
-    for dry, unapproved in ((True, False), (False, True)):
-        [line] = permitted(config, loaded, dry=dry, unapproved=unapproved, tested=False)[1]
-        assert line == "not approved, hardware needs --unapproved: its model had no verification record"
+    for dry, told in ((True, "hardware needs --unapproved"), (False, "it runs at your own risk")):
+        [line] = permitted(config, loaded, dry=dry, unapproved=not dry, tested=False)[1]
+        assert line == f"not approved, {told}: its model had no verification record"
     assert not permitted(config, approved(tmp_path), dry=False, unapproved=False, tested=False)[1]
 
 

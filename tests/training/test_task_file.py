@@ -70,7 +70,7 @@ def test_what_is_wrong_with_it_is_said(old: str, new: str, told: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "posture, told", [("[0.1]", "1 angles for 2 joints"), ("[-0.4, 9.0]", "'knee' is outside its limits")]
+    "posture, told", [("[0.1]", "1 angle for 2 joints"), ("[-0.4, 9.0]", "'knee' is outside its limits")]
 )
 def test_a_posture_has_to_be_one_of_the_machine(posture: str, told: str) -> None:
     task = read_task(_TASK.replace("[-0.4, 1.2]", posture), None)

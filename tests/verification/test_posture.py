@@ -50,6 +50,8 @@ def test_the_five_bar_agrees_in_every_engine_and_states_what_plain_mjcf_costs() 
     names = ("mass_matrix", "coriolis", "gravity", "jacobian", "drives")
     assert max(exact[f"posture_{name}"] for name in names) < 1e-9
     assert 0.1 < result.facts["fitted_inertia_max"][0] < 5.0
+    about = [fact for name, (_, _, fact) in result.facts.items() if name.startswith("fitted_")]
+    assert about and all(fact.endswith(" is") for fact in about), "a number and its unit follow"
     assert not result.variants and not result.not_checked
 
 

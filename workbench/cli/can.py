@@ -167,10 +167,13 @@ def virtual(
 
     stop = _until_told()
     words = [*(["--hide", hide] if hide else []), *(w for each in set_ or [] for w in ("--set", each))]
-    with virtual_hardware(config, ["--seed", str(seed), *words]) as running:
+    with virtual_hardware(config, ["--seed", str(seed), *words], aloud=True) as running:
         echo("ready")
         while running() and not stop():
             time.sleep(0.05)
+    if not stop():
+        echo("The virtual hardware ended by itself; its buses are closed.", err=True)
+        raise typer.Exit(1)
 
 
 @can.command()

@@ -13,7 +13,7 @@ from workbench.core import InputError
 from . import options
 from .common import check_outputs, echo, write_result
 from .progress import progress
-from .scores import score_words
+from .scores import score_words, trained_in
 
 
 def evaluate(
@@ -66,11 +66,7 @@ def evaluate(
     if json:
         write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
-        from workbench.report.response import words_of
-
-        variant = f"the variant {words_of(loaded.variant)}"
-        tree = "a tree fitted to its loops" if loaded.control.map else variant
-        echo(f"{loaded.task}, trained in {tree}:")
+        echo(f"{loaded.task}, trained in {trained_in(loaded)}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
             what, unit = score_words(score)

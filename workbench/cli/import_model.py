@@ -166,7 +166,7 @@ def import_mechanism(
     for line in narrowed:
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
-        echo(f"Held joints: {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
+        echo(f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}.")
     if lost := _without(names, contents.damping):
         what = "springs, dry friction, and the damping of joints without a drive"
         echo(f"Not imported: {what}: {lost} N m s/rad.")

@@ -16,7 +16,7 @@ from workbench.core import InputError
 from . import complete, options
 from .common import check_outputs, echo
 from .progress import progress
-from .scores import told_scores
+from .scores import told_scores, trained_in
 
 if TYPE_CHECKING:
     from workbench.core import Recording
@@ -75,7 +75,6 @@ def show(
 def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list[str], Scene, list[Panel]]:
     from workbench.bundle import read_bundle
     from workbench.report.motion import Panel
-    from workbench.report.response import words_of
     from workbench.simulation.scene import scene_of
     from workbench.training.curve_file import read_curve
     from workbench.training.evaluate import evaluate
@@ -103,10 +102,7 @@ def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list
         f"{name} {value:.4g} {unit}".rstrip() for name, unit, value in told_scores(done.scores)
     )
     fell = "" if done.fell_s is None else f" It fell after {done.fell_s:.2f} s."
-    lines = [
-        f"Trained in the variant {words_of(bundle.variant)}; here it runs in the same simulation. "
-        f"Scores: {scores}.{fell}"
-    ]
+    lines = [f"Trained in {trained_in(bundle)}; here it runs in the same simulation. Scores: {scores}.{fell}"]
     return f"{bundle.task} ({file.name})", lines, scene, panels
 
 

@@ -48,7 +48,8 @@ def permitted(
                     f"the policy is not approved: {against[0]}", file=bundle.source,
                     remedy="run `workbench approve` on its model and train again, or deploy it --unapproved",
                 )  # fmt: skip
-            lines.append(f"not approved, hardware needs --unapproved: {'; '.join(against)}")
+            how = "hardware needs --unapproved" if dry else "it runs at your own risk"
+            lines.append(f"not approved, {how}: {'; '.join(against)}")
     doubtful = [] if tested else untested(config)
     if doubtful:
         part = np.array([UNTESTED if axis in doubtful else 1.0 for axis in config.axes])

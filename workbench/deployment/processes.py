@@ -18,20 +18,26 @@ class ProcessError(WorkbenchError):
     """A process of the virtual hardware did not start."""
 
 
-def start(*words: str) -> subprocess.Popen[str]:
+def start(*words: str, aloud: bool = False) -> subprocess.Popen[str]:
     """Start a command of `workbench` and wait until it is ready.
+
+    Args:
+        words: of the command line.
+        aloud: whether its error output is that of this process; else it is read when the process ends.
 
     Raises:
         ProcessError: it ended instead; with what it said.
     """
     process = subprocess.Popen(
         [sys.executable, "-m", "workbench.cli", *words],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=None if aloud else subprocess.PIPE, text=True,
+        stdin=subprocess.DEVNULL,
     )  # fmt: skip
-    assert process.stdout and process.stderr
+    assert process.stdout
     if process.stdout.readline().strip() != "ready":
         process.kill()
-        raise ProcessError(f"'workbench {' '.join(words)}' did not start: {process.stderr.read().strip()}")
+        why = f": {process.stderr.read().strip()}" if process.stderr else ""
+        raise ProcessError(f"'workbench {' '.join(words)}' did not start{why}")
     return process
 
 
@@ -48,20 +54,23 @@ def end(process: subprocess.Popen[str]) -> str:
 
 
 @contextmanager
-def virtual_hardware(config: str | Path, motors: Sequence[str] = ()) -> Iterator[Callable[[], bool]]:
+def virtual_hardware(
+    config: str | Path, motors: Sequence[str] = (), aloud: bool = False
+) -> Iterator[Callable[[], bool]]:
     """Run buses and motors of a configuration; yield whether both still run.
 
     Args:
         config: the configuration's file.
         motors: further words for ``workbench can motors``.
+        aloud: whether both say what they are, and why they end, on the error output of this process.
 
     Raises:
         ProcessError: one of them did not start.
     """
     running: list[subprocess.Popen[str]] = []
     try:
-        running.append(start("can", "bus", str(config)))
-        running.append(start("can", "motors", str(config), *motors))
+        running.append(start("can", "bus", str(config), aloud=aloud))
+        running.append(start("can", "motors", str(config), *motors, aloud=aloud))
         yield lambda: all(process.poll() is None for process in running)
     finally:
         for process in reversed(running):

@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.core import Controller, InputError, Mechanism
 from workbench.core.paths import closed_chain_file
+from workbench.core.text import counted
 from workbench.models import VARIANTS, Model, load_tree, read_model
 from workbench.models.own_friction import own_friction
 from workbench.rigs.live_own import LiveOwn
@@ -127,6 +128,7 @@ def described(model: Model) -> str:
     chain = model.closed_chain
     kind = f"the tree of {model.serial.name}" if chain is None else f"the closed chain of {chain.file.name}"
     return (
-        f"Virtual hardware of {model.name}: {kind} in Drake, {model.size} drives ({', '.join(model.axes)}), "
+        f"Virtual hardware of {model.name}: {kind} in Drake, "
+        f"{counted(model.size, 'drive')} ({', '.join(model.axes)}), "
         f"{held}, delay {1e3 * model.actuators.delay_s:g} ms."
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,8 +56,16 @@ class Skeleton:
             int(np.argmax(depth)),
         )
 
-    def along(self, model: Model, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    def along(
+        self, model: Model, recording: Recording, joints_of: Callable[[np.ndarray], np.ndarray] | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return the segments along the motion of a recording (or a run of it).
+
+        Args:
+            model: whose tree this is.
+            recording: in joint or drive coordinates.
+            joints_of: joint positions (N, n) at those of the drives, where the transmission changes with the
+                posture.
 
         Returns:
             Times [s], (T,), at most 60 per second, and segments [m], (T, S, 2, 3).
@@ -66,7 +75,8 @@ class Skeleton:
         rows = np.unique(np.linspace(0, len(recording) - 1, count).round().astype(int))
         joints = recording.position[rows]
         if recording.coordinates == "actuator":
-            joints = joints @ np.linalg.inv(model.transmission).T
+            constant = np.linalg.inv(model.transmission).T
+            joints = joints @ constant if joints_of is None else joints_of(joints)
         m, data = self.spec, mujoco.MjData(self.spec)
         columns = [m.joint(name).qposadr[0] for name in model.joints]
         out = np.empty((len(rows), *self.ends.shape))

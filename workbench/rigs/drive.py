@@ -48,11 +48,11 @@ class Drive:
         #: Whether the drive has to be told the motors' speeds.
         self.feels_speed = any(machine.speed_limit)
 
-    def command(self, torque: Pair) -> None:
-        """Store the command of the row that begins."""
+    def command(self, torque: Pair, again: bool = False) -> None:
+        """Store the command of the row that begins; `again`: in place of one that was stored for it."""
         (low1, low2) = self._limit
         self._pending.append((min(max(torque[0], -low1), low1), min(max(torque[1], -low2), low2)))
-        self._pending.pop(0)
+        self._pending.pop(-2 if again else 0)
 
     def feel(self, v1: float, v2: float) -> None:
         """Store the speeds of the motors at the end of the last piece [rad/s]."""

@@ -39,7 +39,10 @@ class Plant(Protocol):
         ...
 
     def command(self, torque: Sequence[float]) -> None:
-        """Set the torques of the row that begins [N m], so that readings show them."""
+        """Set the torques of the row that begins [N m], so that readings show them.
+
+        Those of the last call before the row is simulated hold.
+        """
         ...
 
     def advance(self) -> None:
@@ -85,7 +88,7 @@ class LiveLeg:
         self._seen = self._leg.motors(self._state)
         self._sensing = Sensing(machine, row, self._seen)
         self._bias = self._unmeasured(machine).tolist()
-        self._count = 0
+        self._count, self._commanded = 0, False
         self._shown = self._measure()
 
     def look(self) -> list[Look]:
@@ -100,7 +103,8 @@ class LiveLeg:
 
     def command(self, torque: Sequence[float]) -> None:
         """Set the torques of the row that begins, so that readings show them."""
-        self._drive.command((torque[0], torque[1]))
+        self._drive.command((torque[0], torque[1]), again=self._commanded)
+        self._commanded = True
 
     def advance(self) -> None:
         """Simulate one row.
@@ -109,7 +113,7 @@ class LiveLeg:
             SimulationError: the leg ran away.
         """
         bias = self._bias[self._count % len(self._bias)]
-        self._count += 1
+        self._count, self._commanded = self._count + 1, False
         self._state, self._seen = _watched_row(self._leg, self._drive, self._state, bias, self._sensing.look)
         self._shown = self._measure()
         if not abs(self._seen[2]) + abs(self._seen[3]) < 1e3:

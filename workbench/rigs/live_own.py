@@ -26,6 +26,10 @@ class LiveOwn:
         delay: of the model [s].
         row: [s].
 
+    Attributes:
+        held: whether a stand holds it where it is. Without one it would fall out of its workspace: it has no
+            end stops.
+
     Raises:
         SimulationError: the loop's gains are hidden, which is not here.
     """
@@ -42,6 +46,7 @@ class LiveOwn:
         self._state = self._motion.start(rig.links.start(None))
         self._sensing = Sensing(machine, row, self._state.motor)
         self._unmeasured, self._count = self._disturbed(), 0
+        self._commanded = self.held = False
 
     def look(self) -> list[Look]:
         """Return the present readings of encoders and current sensors."""
@@ -54,7 +59,8 @@ class LiveOwn:
 
     def command(self, torque: Sequence[float]) -> None:
         """Set the torques of the row that begins, so that readings show them."""
-        self._drives.command(np.array(torque, float))
+        self._drives.command(np.array(torque, float), again=self._commanded)
+        self._commanded = True
 
     def advance(self) -> None:
         """Simulate one row.
@@ -63,9 +69,12 @@ class LiveOwn:
             SimulationError: the machine ran away, or left its workspace.
         """
         pushed = self._unmeasured[self._count % len(self._unmeasured)]
-        self._count += 1
+        self._count, self._commanded = self._count + 1, False
         acting = self._drives.acting(self._state.speed, pushed)
-        self._state = self._motion.advance(self._state, acting)
+        if self.held:
+            self._state = self._motion.rest(self._state)
+        else:
+            self._state = self._motion.advance(self._state, acting)
         self._sensing.see(self._state.motor, self._state.speed)
         refuse_runaway(self._state, self._count * self._row, self._rig.machine.name)
 

@@ -11,7 +11,8 @@ from workbench.can.imu import Triple, WorkbenchImu
 from workbench.core import InputError
 
 from .hidden import HiddenEffect
-from .live import ROW, LiveLeg, LiveShaft, Plant
+from .live import ROW, LiveLeg, LiveShaft, Look, Plant
+from .live_own import LiveOwn
 from .quadruped import FORCE_NOISE, GRAVITY_NOISE, GYRO_NOISE, LiveQuadruped
 from .quadruped import ROW as QUADRUPED_ROW
 from .speaking import side_of
@@ -29,7 +30,8 @@ _OWN = (12.5, 45.0, 25.0)
 class MotorBank:
     """Virtual motors: legs on their stands and single actuators, or one quadruped with its inertial unit.
 
-    A quadruped is held by its stand until all its drives have been on for as long as they start softly.
+    A quadruped is held by its stand until all its drives have been on for as long as they start softly, any
+    other machine than the reference leg as long as none of its drives is on.
 
     Args:
         config: the buses and drives.
@@ -118,20 +120,29 @@ class MotorBank:
             self._plants.append((shaft, [self.motors[axis]]))
 
     def respond(self, now: float) -> list[tuple[str, Frame]]:
-        """Return answers between rows, from the last sensor readings: axis and frame.
+        """Return answers between rows, as the next row would give them when it begins: axis and frame.
 
-        Torque changes with the next row.
+        A command acts from there on, and its answer shows it, as it does in the row itself: a loop's delay is
+        then the same, whenever its frames come.
         """
         said: list[tuple[str, Frame]] = []
         for plant, motors in self._plants:
             heard = [k for k, motor in enumerate(motors) if motor.has_heard]
             if not heard:
                 continue
-            looks = plant.look()
             for k in heard:
                 motors[k].obey(now)
+            looks = self._told(plant, motors)
+            for k in heard:
                 said += [(motors[k].axis, frame) for frame in motors[k].answer(looks[k], now, 0.0)]
         return said
+
+    def _told(self, plant: Plant, motors: list[VirtualMotor]) -> list[Look]:
+        """Commands the torques of the row that begins; what sensors show just behind the edge."""
+        before = plant.look()
+        plant.command([motor.torque(look) for motor, look in zip(motors, before, strict=True)])
+        # most rows nobody is asked: what the sensors show behind the edge is not needed then
+        return plant.look() if any(motor.asked for motor in motors) else before
 
     def work(self, now: float) -> list[tuple[str, Frame]]:
         """Simulate a row that begins now [s]; return what motors and `IMU` send: axis, frame."""
@@ -139,12 +150,10 @@ class MotorBank:
         for plant, motors in self._plants:
             for motor in motors:
                 motor.obey(now)
-            before = plant.look()
-            plant.command([motor.torque(look) for motor, look in zip(motors, before, strict=True)])
-            # most rows nobody is asked: what the sensors show just behind the edge is not needed then
-            after = plant.look() if any(motor.asked for motor in motors) else before
-            for motor, look in zip(motors, after, strict=True):
+            for motor, look in zip(motors, self._told(plant, motors), strict=True):
                 said += [(motor.axis, frame) for frame in motor.answer(look, now, self.row)]
+            if isinstance(plant, LiveOwn):
+                plant.held = not any(motor.enabled for motor in motors)
             plant.advance()
         return said + self._base(now)
 

@@ -33,10 +33,10 @@ class OwnDrives:
         self._heat = [Heat(each) for each in machine.derating]
         self._reshape = [(axis, make(generator)) for axis, make in machine.reshaped]
 
-    def command(self, torque: np.ndarray) -> None:
-        """Set the commanded torques (n,) over the piece that begins."""
+    def command(self, torque: np.ndarray, again: bool = False) -> None:
+        """Set the commanded torques (n,) of the piece that begins; `again`: in place of those set for it."""
         self._pending.append(np.clip(torque, -self._limit, self._limit))
-        self._pending.pop(0)
+        self._pending.pop(-2 if again else 0)
 
     def measured(self, speed: np.ndarray) -> np.ndarray:
         """Return the torque sensors' readings as the piece begins (n,), rotors at `speed` (n,) [rad/s]."""

@@ -64,6 +64,11 @@ class OwnMotion:
         """Return the state at rest at drive positions `q` (n,), every gap in its middle."""
         return OwnState(q.copy(), np.zeros(self._n), q.copy(), np.zeros(self._n))
 
+    def rest(self, state: OwnState) -> OwnState:
+        """Return a state at rest where this one is."""
+        self._acceleration = np.zeros(self._wide)
+        return OwnState(state.q, np.zeros(self._n), state.motor, np.zeros(self._n))
+
     def advance(self, state: OwnState, torque: np.ndarray) -> OwnState:
         """Return the state after one piece, with torques (n,) on the rotors [N m].
 

@@ -89,7 +89,9 @@ def _lines(m: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[np.ndarray, np.
         parent = int(m.body_parentid[b])
         if parent:
             out.append((data.xpos[parent].copy(), data.xpos[b].copy()))
-    for s in range(m.nsite):
+    # places that a tendon passes are no part of the robot's shape: a fitted tree has dozens
+    passed = set(m.wrap_objid[m.wrap_type == mujoco.mjtWrap.mjWRAP_SITE].tolist())
+    for s in set(range(m.nsite)) - passed:
         out.append((data.xpos[m.site_bodyid[s]].copy(), data.site_xpos[s].copy()))
     for g in range(m.ngeom):
         kind, at, turn = m.geom_type[g], data.geom_xpos[g], data.geom_xmat[g].reshape(3, 3)

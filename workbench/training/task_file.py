@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from workbench.core import InputError
+from workbench.core.text import counted
 
 from .draws import Draws
 from .machine import Machine
@@ -131,7 +132,7 @@ def posed(task: Task, machine: Machine) -> Machine:
         )
     if len(posture) != machine.size:
         raise InputError(
-            f"{len(posture)} angles for {machine.size} joints", column="posture",
+            f"{counted(len(posture), 'angle')} for {counted(machine.size, 'joint')}", column="posture",
             remedy=f"give one each: {', '.join(machine.joints)}",
         )  # fmt: skip
     outside = (posture <= machine.limits[:, 0]) | (posture >= machine.limits[:, 1])

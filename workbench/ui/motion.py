@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Recording
+from workbench.core import DriveMap, Recording
 from workbench.models import Model
 from workbench.models.skeleton import Skeleton, facing
+from workbench.s3n import drive_map
 
 #: Runs that were drawn last: a measured motion stays while the model's moves.
 _LAST: deque[tuple[Recording, Path, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=6)
@@ -22,12 +23,26 @@ def _skeleton(serial: Path) -> Skeleton:
     return Skeleton.of(serial)
 
 
+_MAPS: dict[Path, DriveMap] = {}
+
+
+def _map(model: Model) -> DriveMap | None:
+    """How joints follow the drives where that changes with the posture; of a file, found once."""
+    if model.posture_dependent and model.serial not in _MAPS:
+        found = drive_map(model)
+        assert found is not None
+        _MAPS[model.serial] = found
+    return _MAPS.get(model.serial)
+
+
 def _along(model: Model, run: Recording) -> tuple[np.ndarray, np.ndarray]:
     """The segments along a run; of the last few, remembered."""
     for known, serial, found in _LAST:
         if known is run and serial == model.serial:
             return found
-    _LAST.append((run, model.serial, _skeleton(model.serial).along(model, run)))
+    own = _map(model) if run.coordinates == "actuator" else None
+    segments = _skeleton(model.serial).along(model, run, None if own is None else own.joints)
+    _LAST.append((run, model.serial, segments))
     return _LAST[-1][2]
 
 

@@ -55,15 +55,18 @@ def posture_checks(subject: Subject, seed: int) -> list[Check]:
 def fitted_facts(subject: Subject) -> Facts:
     """What the mechanism is off by as plain MJCF: how good is good enough is the user's to say."""
     error = fit_native(subject.model, allow=None).error
-    about = "As plain MJCF (workbench normalize): "
+
+    def told(share: float, what: str) -> tuple[float, str, str]:
+        return 100.0 * share, "%", f"As plain MJCF (workbench normalize), {what} is"
+
     facts: Facts = {
-        "fitted_inertia_max": (100.0 * error.inertia_max, "%", f"{about}inertia off by up to"),
-        "fitted_inertia_rms": (100.0 * error.inertia_rms, "%", f"{about}inertia off by, rms"),
-        "fitted_gravity_rms": (100.0 * error.gravity_rms, "%", f"{about}gravity off by, rms"),
-        "fitted_velocity_rms": (100.0 * error.velocity_rms, "%", f"{about}velocity terms off by, rms"),
+        "fitted_inertia_max": told(error.inertia_max, "the largest error of the inertia"),
+        "fitted_inertia_rms": told(error.inertia_rms, "the RMS error of the inertia"),
+        "fitted_gravity_rms": told(error.gravity_rms, "the RMS error of gravity"),
+        "fitted_velocity_rms": told(error.velocity_rms, "the RMS error of the velocity terms"),
     }
     if error.torque_max is not None:
-        facts["fitted_torque_max"] = (100.0 * error.torque_max, "%", f"{about}torque off by up to")
+        facts["fitted_torque_max"] = told(error.torque_max, "the largest error of a drive's torque")
     return facts
 
 
