@@ -49,7 +49,10 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
     value = {"mobility": whole[0], "explained": whole[2]}
     remarks: list[Remark] = []
     for i, j in sorted(swapped):
-        text = f"'{names[i]}' accelerates with the torque of '{names[j]}' and the reverse: their columns are swapped."
+        text = (
+            f"'{names[i]}' accelerates with the torque of '{names[j]}' and the reverse: their columns "
+            "are swapped."
+        )
         remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
     for i in sorted(backward):
         text = f"'{names[i]}' accelerates against its measured torque: one of them has the wrong sign."
