@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,8 @@ def names(folder: Path, argument: str) -> list[Path]:
         (folder / f"folder{ending}").mkdir(parents=True, exist_ok=True)
         for name, content in BAD.items():
             (folder / f"{name}{ending}").write_bytes(content)
-    there = [] if argument == "output" else ["gone", "folder"]  # where something is to be written
+    too_long = 300 * "a"  # for a file's name
+    there = [] if argument == "output" else ["gone", "folder", too_long]  # where something is to be written
     return [folder / f"{name}{ending}" for ending in endings for name in (*there, *BAD)]
 
 
@@ -75,3 +77,39 @@ def test_what_cannot_be_read_ends_in_one_line(
         ended = run(*given, cwd=tmp_path)
         assert not fine(ended, given), (given, ended.stdout)
         assert not (tmp_path / "out").exists(), (given, "something was written all the same")
+
+
+def test_a_name_that_no_file_can_have_is_refused_before_anything_is_computed(
+    files: dict[str, Path], tmp_path: Path
+) -> None:
+    given = ["compare", files["arm.xml"], files["arm.toml"], "--html", 300 * "a" + ".html"]
+    ended = run(*given, cwd=tmp_path)
+    assert not fine(ended, given) and "File name too long" in ended.stderr, ended.stderr
+    assert ended.stdout == ""
+
+
+@pytest.mark.parametrize("option", ["--html", "--json", "--mcap"])
+@pytest.mark.parametrize("command", ["compare", "diagnose"])
+def test_no_result_takes_the_place_of_an_input(
+    command: str, option: str, files: dict[str, Path], tmp_path: Path
+) -> None:
+    """Not even by force: what was measured cannot be measured again."""
+    for name in ("arm.toml", "arm.csv", "arm.xml"):
+        shutil.copy(files[name], tmp_path)
+    for name in ("arm.toml", "arm.csv", "arm.xml"):
+        before = (tmp_path / name).read_bytes()
+        given = [command, "arm.xml", "arm.toml", option, name, "--force"]
+        ended = run(*given, cwd=tmp_path)
+        assert not fine(ended, given) and "input of this command" in ended.stderr, ended.stderr
+        assert ended.stdout == "" and (tmp_path / name).read_bytes() == before
+
+
+def test_the_improved_model_does_not_take_the_place_of_a_recording(
+    files: dict[str, Path], tmp_path: Path
+) -> None:
+    for name in ("arm.toml", "arm.csv", "arm.xml"):
+        shutil.copy(files[name], tmp_path)
+    given = ["improve", "arm.xml", "arm.toml", "-o", "arm.toml", "--force"]
+    ended = run(*given, cwd=tmp_path)
+    assert not fine(ended, given) and "input of this command" in ended.stderr, ended.stderr
+    assert "table" in (tmp_path / "arm.toml").read_text()

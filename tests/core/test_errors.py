@@ -9,10 +9,19 @@ from workbench.core.files import check_free, write_whole
 
 
 def test_an_input_error_says_where_what_and_how() -> None:
-    error = InputError("is\n empty", file="a.toml", column="t", row=3, remedy="fill it")
-    assert str(error) == "a.toml, column 't', row 3: is empty; fill it"
-    assert (error.file, error.column, error.row, error.remedy) == ("a.toml", "t", 3, "fill it")
+    error = InputError("is\n empty", file="a.csv", column="t", row=3, remedy="fill it")
+    assert str(error) == "a.csv, column 't', row 3: is empty; fill it"
+    assert (error.file, error.column, error.row, error.remedy) == ("a.csv", "t", 3, "fill it")
     assert str(InputError("nothing given")) == "nothing given"
+
+
+def test_what_stands_in_a_toml_file_is_a_key_and_what_stands_in_a_table_a_column() -> None:
+    assert (
+        str(InputError("is wrong", file="a.toml", column="units.time"))
+        == "a.toml, key 'units.time': is wrong"
+    )
+    assert str(InputError("is wrong", file="a.csv.gz", column="t")) == "a.csv.gz, column 't': is wrong"
+    assert str(InputError("is wrong", column="--rate")) == "option '--rate': is wrong"
 
 
 def test_all_errors_have_one_root_and_one_exit_code() -> None:

@@ -59,7 +59,7 @@ def test_each_robot_has_its_model(logs: Path, tmp_path: Path) -> None:
 
 def test_a_recording_of_no_robot_is_refused(logs: Path) -> None:
     log(logs, "stray", "")
-    with pytest.raises(InputError, match=r"stray\.toml, column 'rig'"):
+    with pytest.raises(InputError, match=r"stray\.toml, key 'rig'"):
         find_robots([str(logs)], ["leg"])
     with pytest.raises(InputError, match="no file matches"):
         find_robots([str(logs / "*.nothing")], ["leg"])

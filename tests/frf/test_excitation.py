@@ -189,7 +189,7 @@ def test_malformed_designs_are_named(tmp_path: Path) -> None:
         load_design(tmp_path / "none.toml")
     file = tmp_path / "bad.toml"
     file.write_text("format = 1\nkind = 'sawtooth'\n")
-    with pytest.raises(InputError, match=r"bad\.toml, column"):
+    with pytest.raises(InputError, match=r"bad\.toml, key"):
         load_design(file)
     file.write_text("format = [")
     with pytest.raises(InputError, match="TOML"):
@@ -203,7 +203,7 @@ def test_a_rate_or_period_that_no_experiment_has_is_named(tmp_path: Path, name: 
     text = (tmp_path / "leg.toml").read_text()
     spoilt = re.sub(rf"^{name} = .*$", f"{name} = {value}", text, flags=re.MULTILINE)
     (tmp_path / "leg.toml").write_text(spoilt)
-    with pytest.raises(InputError, match=rf"leg\.toml, column '{name}'"):
+    with pytest.raises(InputError, match=rf"leg\.toml, key '{name}'"):
         load_design(tmp_path / "leg.toml")
 
 

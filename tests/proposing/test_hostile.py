@@ -44,6 +44,29 @@ def refused(path: Path, match: str) -> None:
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.5 * 2**20  # KiB
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is empty"),
+        ("\n\n", "is empty"),
+        ("t,q_lift,q_bend\n", "one line only, and no rows below it"),
+        ("a log\nof words\n", "no two columns of numbers"),
+    ],
+)
+def test_a_text_without_a_table_is_told_by_what_it_lacks(text: str, says: str, tmp_path: Path) -> None:
+    file = tmp_path / "log.csv"
+    file.write_text(text)
+    refused(file, says)
+
+
+def test_a_name_that_stands_twice_in_a_header_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "log.csv"
+    file.write_text("t,q_lift,q_lift\n" + "".join(f"{0.01 * k},{k % 7}.5,{k % 5}.5\n" for k in range(40)))
+    table = open_table(file)
+    assert list(table.columns) == ["t", "q_lift", "q_lift_3"]
+    assert any("'q_lift' stands more than once" in n and "'q_lift_3'" in n for n in table.notes)
+
+
 def test_pickles_are_not_opened(tmp_path: Path) -> None:
     marker = tmp_path / "ran"
     (tmp_path / "run.pkl").write_bytes(pickle.dumps(Trap(marker)))

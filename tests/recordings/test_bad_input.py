@@ -61,6 +61,12 @@ def test_malformed_toml_names_the_line(tmp_path: Path) -> None:
     assert "line 2" in refused(path).problem
 
 
+def test_a_folder_named_as_the_table(tmp_path: Path) -> None:
+    (tmp_path / "gone.csv").mkdir()
+    error = refused(write_toml(tmp_path / "made.toml", description(table="gone.csv")))
+    assert "gone.csv" in str(error) and "is a folder" in error.problem and "relative" in error.remedy
+
+
 def test_a_table_handed_in_as_toml(tmp_path: Path) -> None:
     path = tmp_path / "made.toml"
     path.write_bytes(gzip.compress(b"t,q\n0,1\n"))
@@ -135,6 +141,12 @@ def test_unknown_unit(tmp_path: Path) -> None:
         and "unknown unit 'wibble'" in error.problem
         and "rad" in error.remedy
     )
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_gain_that_is_no_number_is_told_so(tmp_path: Path, value: float) -> None:
+    error = refused_key(tmp_path, controller={"kind": "pd", "kp": [1.0, value], "kd": [1.0, 1.0]})
+    assert "must be a finite number" in error.problem
 
 
 def test_unit_of_another_dimension(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import typer
 from typer import Option
 
 from workbench.core import WorkbenchError
+from workbench.core.text import plain
 from workbench.core.version import VERSION
 
 from .add import add
@@ -85,3 +86,9 @@ def run() -> None:
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(0)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        reason = error.strerror or "cannot be used"
+        print(f"error: {plain(str(error.filename))}: {reason}; check the path", file=sys.stderr)
+        sys.exit(2)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from workbench.core import InputError, Recording
-from workbench.core.files import check_free
+from workbench.core.files import check_apart, check_free
 from workbench.core.text import plain
 
 if TYPE_CHECKING:
@@ -84,6 +84,21 @@ def check_outputs(*paths: str | None, force: bool) -> None:
             check_free(path, force=force)
 
 
+def keep_inputs(outputs: Sequence[str | None], files: Sequence[Path]) -> None:
+    """Refuse outputs that would overwrite a file that was read; `--force` is not meant for these.
+
+    Args:
+        outputs: as they were named; None and ``-`` are no files.
+        files: all that was read.
+
+    Raises:
+        InputError: one of the outputs is one of the files.
+    """
+    for path in outputs:
+        if path and path != "-":
+            check_apart(path, files)
+
+
 def named_values(texts: Sequence[str] | None, option: str, example: str) -> dict[str, str]:
     """Return the value of each name that a repeatable option gives.
 
@@ -127,6 +142,7 @@ def write_result(
     from workbench import report
     from workbench.core.provenance import provenance
 
+    keep_inputs([json], files)
     made = {"provenance": provenance(files, seeds)}
     last = {"truth": content["truth"]} if "truth" in content else {}
     before = {key: value for key, value in content.items() if key not in last}

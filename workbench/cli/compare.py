@@ -80,6 +80,7 @@ def compare(
     to = Outputs(json, html, mcap, rerun, force, quiet)
     to.check()
     loaded, data = load_model(model), open_sources(recordings)
+    to.keep(files_of(loaded, data))
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
         try:

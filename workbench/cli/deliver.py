@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from workbench.core import Comparison, Diagnosis, Improvement, Result
 
-from .common import check_outputs, write_result
+from .common import check_outputs, keep_inputs, write_result
 
 if TYPE_CHECKING:
     from workbench.report import Sheet
@@ -31,6 +31,10 @@ class Outputs:
     def check(self, *others: str | None) -> None:
         """Refuse files that exist, these and others, before anything is computed."""
         check_outputs(self.json, self.html, self.mcap, self.rerun, *others, force=self.force)
+
+    def keep(self, files: Sequence[Path], *others: str | None) -> None:
+        """Refuse files, these and others, that would overwrite what was read."""
+        keep_inputs([self.json, self.html, self.mcap, self.rerun, *others], files)
 
     @property
     def printed(self) -> bool:
@@ -76,6 +80,7 @@ def deliver_sheet(
     """Write a page made of parts."""
     from workbench import report
 
+    keep_inputs([html], files)
     report.write_sheet(sheet, html, **_made_by(files, seeds or {}), force=force)
 
 

@@ -56,6 +56,7 @@ def diagnose(
     to.check(shape, trace)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
+    to.keep(files_of(loaded, [*data.training, *data.held_out]), shape, trace)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     used = [*data.training, *data.held_out]

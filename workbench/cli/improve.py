@@ -10,7 +10,7 @@ from typer import Option
 from workbench.core import Improvement, WorkbenchError
 
 from . import options
-from .common import check_model_output, echo, files_of, open_pair
+from .common import check_model_output, echo, files_of, keep_inputs, open_pair
 from .data_problems import data_problems
 from .deliver import Outputs, deliver
 from .into import Into, IntoOption, check_into
@@ -53,6 +53,9 @@ def improve(
     if into is not None:
         check_into(loaded, into, output, force=force)
     data = open_pair(recordings, holdout, whole=whole)
+    measured = [*data.training, *data.held_out]
+    to.keep(files_of(loaded, measured))
+    keep_inputs([output], files_of(None, measured))
     with progress(quiet) as tell:
         result, better = run(
             loaded, data.training, data.held_out, seed=seed, nearest=nearest, progress=staged(tell)

@@ -43,7 +43,8 @@ class InputError(WorkbenchError):
         self.problem, self.file, self.column, self.row = problem, file, column, row
         self.remedy = remedy
         where = [str(file)] if file is not None else []
-        named = "option" if column and column.startswith("--") else "column"
+        named = "key" if file is not None and str(file).endswith(".toml") else "column"
+        named = "option" if column and column.startswith("--") else named
         where += [f"{named} '{column}'"] if column is not None else []
         where += [f"row {row}"] if row is not None else []
         text = f"{', '.join(where)}: {problem}" if where else problem

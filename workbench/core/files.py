@@ -8,7 +8,7 @@ import signal
 import tempfile
 import threading
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -136,12 +136,25 @@ def check_free(path: str | Path, *, force: bool) -> None:
     """Refuse an output that exists already, before any work is done.
 
     Raises:
-        InputError: the path exists and `force` is not set, or it is a folder.
+        InputError: the path exists and `force` is not set, it is a folder, or no file can have this name.
     """
-    if Path(path).is_dir():
+    with saying(path):
+        folder, exists = Path(path).is_dir(), Path(path).exists()
+    if folder:
         raise InputError("is a folder, not a file", file=path, remedy="give a file name")
-    if Path(path).exists() and not force:
+    if exists and not force:
         raise InputError("the file exists", file=path, remedy="choose another name or add --force")
+
+
+def check_apart(path: str | Path, read: Iterable[Path]) -> None:
+    """Refuse an output that would take the place of a file that was read, whatever else is allowed.
+
+    Raises:
+        InputError: `path` is one of the files in `read`.
+    """
+    with saying(path):
+        if Path(path).exists() and any(f.exists() and f.samefile(path) for f in read):
+            raise InputError("is an input of this command", file=path, remedy="choose another name")
 
 
 def check_format(content: Any, known: int, file: str | Path) -> None:

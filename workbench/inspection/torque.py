@@ -90,7 +90,7 @@ def _follows(
     if not is_broad(np.diff(command)):
         text = f"The command of '{axis}' has too few frequencies to show a delay of its measured torque."
         remarks.append(Remark("note", "delay", axis, text, {"gain": gain}))
-    elif delay < -0.25 * period:
+    elif delay < -max(0.25 * period, _SURE * error):
         text = f"Measured torque of '{axis}' comes {-1e3 * delay:.3g} ms before its command."
         remarks.append(Remark("problem", "clock", axis, text, {"delay_s": delay}))
     else:

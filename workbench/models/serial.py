@@ -202,7 +202,7 @@ def limits_left_out(model: Model) -> str | None:
         if is_urdf(model.serial)
         else f"limits of the MJCF's actuators on {', '.join(names)} are left out, as all its actuators are"
     )
-    return f"{whose}; state torque_limit in [actuators] to have them"
+    return f"{whose}; to use them, state torque_limit under [actuators] in a model TOML"
 
 
 def free_joints(model: Model) -> str | None:

@@ -68,8 +68,9 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run
     valid = None
     if not good.all():
         count = int((~good).sum())
-        some = "1 row with an empty cell is" if count == 1 else f"{count} rows with empty cells are"
-        notes.append(f"{some} marked as not measured.")
+        some = "1 row in which a cell" if count == 1 else f"{count} rows in which cells"
+        lacks, marked = ("holds", "is") if count == 1 else ("hold", "are")
+        notes.append(f"{some} {lacks} no number {marked} marked as not measured.")
         valid = good
     step = np.diff(t)
     if len(step) and step.max() > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95)):

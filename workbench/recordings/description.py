@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
 import tomllib
@@ -230,6 +231,8 @@ def _explain(error: ValidationError, path: Path) -> InputError:
         return InputError("is missing", file=path, column=key, remedy="add it")
     said = first["msg"].removeprefix("Value error, ")
     message = said[0].lower() + said[1:]
+    if isinstance(first["input"], float) and not math.isfinite(first["input"]):
+        message = "must be a finite number"
     return InputError(
         f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
     )

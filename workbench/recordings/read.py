@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -180,7 +181,7 @@ def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
         found = sorted(glob.glob(path, recursive=True)) if glob.has_magic(path) else [path]
         recordings = [p for p in found if not is_model_file(Path(p))]
         found = recordings or found  # of models alone the reader says what they are
-        if Path(path).exists():
+        if os.path.exists(path):  # False too where no file can have this name
             found = [path]
         if not found:
             raise InputError("no file matches this pattern", file=path, remedy="check the path")

@@ -52,6 +52,11 @@ def read_text(path: Path) -> Table:
         and heads == names
         and path.name.lower().endswith((".csv", ".csv.gz"))
     )
+    for i, (head, name) in enumerate(zip(heads, names, strict=False)):
+        if head and head in names[:i] and name != head:
+            notes.append(
+                f"The name '{head}' stands more than once in the header; column {i + 1} is called '{name}'."
+            )
     if style.decimal == ",":
         notes.append("Numbers have a decimal comma.")
     if encoding not in ("utf-8-sig",):

@@ -68,10 +68,19 @@ def find_style(lines: list[str], encoding: str, path: Path) -> Style:
                 best = score, Style(encoding, separator, decimal, header, at[first], units)
     if best is None:
         raise InputError(
-            "has no two columns of numbers with one separator between them", file=path,
-            remedy="give one row per sample, two columns or more",
-        )  # fmt: skip
+            _why_no_table(lines), file=path, remedy="give one row per sample, two columns or more"
+        )
     return best[1]
+
+
+def _why_no_table(lines: list[str]) -> str:
+    """Return what is wrong with lines that hold no table."""
+    filled = sum(bool(line.strip()) for line in lines)
+    if filled == 0:
+        return "is empty"
+    if filled == 1:
+        return "has one line only, and no rows below it"
+    return "has no two columns of numbers with one separator between them"
 
 
 def _widths(rows: list[list[str]], decimal: str) -> Iterator[tuple[int, list[bool], float]]:

@@ -57,7 +57,8 @@ def read_table(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         raise InputError("this table format is unknown", file=path, remedy=remedy)
     if not path.is_file():
         remedy = "check `table` in the recording's TOML; it is relative to that file"
-        raise InputError("the table is missing", file=path, remedy=remedy)
+        wrong = "is a folder, not a table" if path.is_dir() else "the table is missing"
+        raise InputError(wrong, file=path, remedy=remedy)
     check_fetched(path)
     with bounded(path):
         data = READERS[max(endings, key=len)](path, list(dict.fromkeys(columns)))
