@@ -92,6 +92,7 @@ ON_THE_SLIDE = {
     "thermal_derating": {"coefficient": 5e-5, "time_constant": 0.5},
     "presliding_hysteresis": {"torque": 15.0, "stiffness": 3e4},
     "base_compliance": {"stiffness": 1e6, "damping": 2000.0, "mass": 50.0},
+    "first_moment_error": {"along": 0.0, "across": 0.0, "mass": 9.0},  # where its centre is shows nowhere
 }
 #: Where a law has nothing but one of its parts.
 PARTS = {

@@ -108,7 +108,7 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
     # without gravity, and with the same inertia everywhere, nothing tells where a sensor's zero is
     no_zero = case.effect.stage is SignalStage.SENSOR and case.model == "emps"
     seen = [p.name for p in case.effect.parameters if not (no_zero and p.unit == "rad")]
-    for name, value in [pair for pair in case.values if pair[0] in seen]:
+    for name, value in [pair for pair in case.values if pair[0] in seen and pair[1]]:
         changed = tuple({**dict(case.values), name: 1.1 * value}.items())
         models.append(replace(case, values=changed).added)
     again, *changes = runs(case.model, models)
@@ -190,13 +190,14 @@ def test_units_follow_the_axis() -> None:
 def test_at_any_corner_of_its_bounds_an_effect_builds_or_says_why_not(case: Case) -> None:
     base, place = load_model(case.model), Placement.of(load_model(case.model), case.key)
     values, shape = case.effect.parameters.to_coefficients(dict(case.values))
-    lower, upper = case.effect.parameters.bounds(base, place)
+    lower, upper = case.effect.parameters.bounds(base, place, shape)
     limits = case.effect.parameters.shape_bounds(base, place)
     for number in product((0, 1, 2), repeat=len(values)):
         corner = [np.clip((0.0, a, b)[k], -1e3, 1e3) for k, a, b in zip(number, lower, upper, strict=True)]
         corner = np.clip(corner, lower, upper)
         for side in (None, 0, 1):
-            at = shape if side is None else {n: float(np.clip(limits[n][side], -1e3, 1e3)) for n in shape}
+            ends = {} if side is None else {n: float(np.clip(x[side], -1e3, 1e3)) for n, x in limits.items()}
+            at = {**shape, **ends}
             try:
                 parameters = case.effect.parameters.to_values(corner, at)
                 applied = AppliedEffect(case.key, {n: Estimate(v, 0.0, "") for n, v in parameters.items()})

@@ -187,9 +187,9 @@ def test_of_what_slides_the_mass_is_asked_for_alone(tmp_path: Path) -> None:
     on = [
         (key.effect, key.axis) for key in places(model) if key.effect.endswith(("moment_error", "tia_error"))
     ]
-    # a bridge that nothing lifts is no more than its rotor, and what slides turns with its turret
+    # what slides turns with its turret
     assert sorted(on) == [
-        *(("first_moment_error", axis) for axis in ("out", "turn")),
+        *(("first_moment_error", axis) for axis in ("out", "turn", "x")),
         ("link_inertia_error", "turn"),
     ]
 

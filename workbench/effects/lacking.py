@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from workbench.models import Model
 
@@ -20,6 +20,7 @@ from .motion import Motion
 
 _BAND = 60.0  # Hz: above, acceleration is mostly noise
 _STARTS = 3
+_SHORT, _LONG = 15, 60  # evaluations from a start, and from the best of where these led
 _APART = 0.3  # in the logarithm of a value: starts nearer to each other lead to one place
 
 
@@ -93,8 +94,9 @@ def refined(left: Callable[[np.ndarray], np.ndarray], starts: Sequence[Sequence[
         if len(chosen) < _STARTS and all(np.abs(x - other).max() > _APART for other in chosen):
             chosen.append(x)
     low, high = tried.min(axis=0) - 3.0, tried.max(axis=0) + 3.0
-    found = [
-        least_squares(lambda x: left(np.exp(x)), x, bounds=(low, high), diff_step=1e-3, max_nfev=15)
-        for x in chosen
-    ]
-    return np.exp(min(found, key=lambda f: f.cost).x)
+
+    def downhill(x: np.ndarray, most: int) -> OptimizeResult:
+        return least_squares(lambda x: left(np.exp(x)), x, bounds=(low, high), diff_step=1e-3, max_nfev=most)
+
+    best = min((downhill(x, _SHORT) for x in chosen), key=lambda found: found.cost)
+    return np.exp(downhill(best.x, _LONG).x)
