@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, paired, table, told
+from transfer_crossed import Study, Values, cells, collected, crossed, paired, table, told
 from transfer_floor import ON_PLATE, identified_law
 from transfer_measures import (
     GAIT,
@@ -32,11 +32,10 @@ from transfer_measures import (
     seen_by_legs,
     swing_misses,
 )
-from transfer_paired import Spread
+from transfer_paper import paper_lap, paper_pitch
 from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
-from transfer_tables import show
 from transfer_worlds import EVALUATION, TRAINING, ContactLaw, Law, Push
 
 from workbench.training.machine import STEP_S
@@ -44,12 +43,6 @@ from workbench.training.quadruped import FOOT_RADIUS
 from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
-PAPER = {
-    "kin_only": ("Kin-Only", "17.3, 19.46"),
-    "kin_only_hr": ("Kin-Only HR", "21.5, 24.17"),
-    "s3n_act": ("S3N-Act", "15.7, 18.26"),
-    "s3n_full": ("S3N-Full", "9.9, 12.23"),
-}
 _PUSH, _PUSHES = Push(50.0), 4
 _TROT = 1.8, 0.0  # m/s, rad/s
 _TROT_S = 4.0
@@ -214,23 +207,11 @@ def estimator(study: Study) -> dict[str, Values]:
 
 
 def paper(study: Study) -> dict[str, Values]:
-    """The paper's design: a policy in the simulator that it was trained in, and its numbers."""
-    units = study.policies("circular")
-    hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware())
-    rows, out = [], {}
-    for method, (name, theirs) in PAPER.items():
-        mine = [k for k, u in enumerate(units) if u.method == method]
-        own = {method: [simulated[method.removesuffix("_hr")][k] for k in mine]}
-        one, two = ([runs[k] for k in mine] for runs in (hardware, again))
-        out[method] = found = collected(["E_phi", "E_RMSE"], one, two, own, _lap_gaps)
-        shown = [Spread.of(found[m][s]).text() for m in found for s in (method, AGAIN)]
-        rows.append((name, *shown, theirs))
-    columns = ("method", "E_phi [%]", "again", "E_RMSE [%]", "again", "paper: E_phi, E_RMSE")
-    title = (
-        f"Each policy in its own simulator, {study.which}: mean over training seeds ± half its 95 % interval"
-    )
-    show(study.out, study.file("paper"), title, columns, rows)
-    return {f"{method}: {m}": v for method, found in out.items() for m, v in found.items()}
+    """The paper's design: a policy in the simulator that it was trained in, and its numbers; two tables."""
+    return {
+        **paper_lap(study, _seconds(study)),
+        **paper_pitch(study, 3.0 if study.quick else _PITCH_S),
+    }
 
 
 QUESTIONS: dict[str, Callable[[Study], dict[str, Values]]] = {
