@@ -17,6 +17,7 @@ from transfer_runs import Job, Made
 from transfer_tables import show
 from transfer_worlds import EVALUATION, TRAINING, ContactLaw
 
+from workbench.training.machine import STEP_S
 from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
@@ -28,33 +29,35 @@ PAPER = {
     "s3n_full": ("S3N-Full", "9.9, 12.23", "10.2"),
     INJECTED: ("S3N-Full, injected", "9.9, 12.23", "10.2"),
 }
-#: Rows: method, and the contact and steps of the simulator that it is compared with.
-_ROWS = (
-    *((method, EVALUATION) for method in PAPER),
-    *((method, TRAINING) for method in ("s3n_full", INJECTED)),
-)
+#: Contact and steps of the training: MuJoCo's own contact.
+TRAINED = ContactLaw(0.02, STEP_S, elliptic=False)
+#: Rows of a table: method, and the contact and steps of the simulator that it is compared with.
+Rows = tuple[tuple[str, ContactLaw], ...]
+_BOTH = ("s3n_full", INJECTED)
+_PITCH: Rows = (*((method, EVALUATION) for method in PAPER), *((method, TRAINING) for method in _BOTH))
+_LAP: Rows = (*_PITCH, *((method, TRAINED) for method in _BOTH))
 
 
 def paper_lap(study: Study, seconds: float) -> dict[str, Values]:
     """The paper's table of circular locomotion."""
     title = "A lap, each policy in its own simulator"
     gaps = partial(gait_gaps, command=(CIRCLE[0], CIRCLE[2]))
-    return _own(study, "circular", "paper", title, seconds, ("E_phi", "E_RMSE"), "%", gaps, 0)
+    return _own(study, "circular", "paper", title, seconds, ("E_phi", "E_RMSE"), "%", gaps, _LAP)
 
 
 def paper_pitch(study: Study, seconds: float) -> dict[str, Values]:
     """The paper's numbers of pitch in place."""
     title = "Pitch in place, each policy in its own simulator"
     measure = ("force on a foot, RMSE",)
-    return _own(study, "pitch-in-place", "paper_pitch", title, seconds, measure, "N", pitch_gaps, 1)
+    return _own(study, "pitch-in-place", "paper_pitch", title, seconds, measure, "N", pitch_gaps, _PITCH)
 
 
 def _own(
     study: Study, task: str, name: str, title: str, seconds: float, measures: Sequence[str], unit: str,
-    gaps: Callable[[Made, Made], dict[str, float]], number: int,
+    gaps: Callable[[Made, Made], dict[str, float]], wanted: Rows,
 ) -> dict[str, Values]:  # fmt: skip
     units = [*study.policies(task), *policies_of(task, study.trained, study.quick, (INJECTED,))]
-    rows = [(method, law) for method, law in _ROWS if any(u.method == method for u in units)]
+    rows = [(method, law) for method, law in wanted if any(u.method == method for u in units)]
     robot = study.hardware()
     real = [Job(seconds, study.seed + k, u.file, robot=robot) for k in (0, 1) for u in units]
     own = [_job(study, seconds, u, law) for method, law in rows for u in units if u.method == method]
@@ -66,13 +69,13 @@ def _own(
         runs = {method: [next(simulated) for _ in mine]}
         one, two = ([all_[k] for k in mine] for all_ in (hardware, again))
         found = collected(list(measures), one, two, runs, gaps)
-        step = f"{1e3 * law.step_s:g} ms"
+        step = f"{1e3 * law.time_constant_s:g} ms, {1e3 * law.step_s:g} ms"
         shown = [Spread.of(found[m][s]).text() for m in measures for s in (method, AGAIN)]
-        lines.append((PAPER[method][0], step, *shown, PAPER[method][1 + number]))
+        lines.append((PAPER[method][0], step, *shown, PAPER[method][1 if len(measures) > 1 else 2]))
         out |= {f"{method}, {step}: {m}": v for m, v in found.items()}
     heads = [head for m in measures for head in (f"{m} [{unit}]", "again")]
     theirs = f"paper: {', '.join(measures)}"
-    columns = ("trained and simulated in", "steps", *heads, theirs)
+    columns = ("trained and simulated in", "contact, steps", *heads, theirs)
     text = f"{title}, {study.which}: mean over training seeds ± half its 95 % interval"
     show(study.out, study.file(name), text, columns, lines)
     return out

@@ -157,7 +157,8 @@ def contact(study: Study) -> dict[str, Values]:
     units = study.policies("circular", "s3n_full")
     laws: dict[str, Law] = dict(_LAWS)
     if "found" in study.files:
-        laws["identified"] = identified_law(study.files["found"], study.out / "models", study.seed)
+        known = study.files["found"], study.out / "models", study.seed
+        laws |= {"identified": identified_law(*known), "fitted in windows": identified_law(*known, True)}
     rows, out = [], {}
     for name, law in laws.items():
         hardware, again, simulated = crossed(study, units, _seconds(study), ON_PLATE, law)
