@@ -36,20 +36,18 @@ _SECONDS, _SEED = 0.8, 5000
 _SEEDS = range(5)
 
 
-def identified_law(leg: Path, folder: Path, seed: int, windows: bool = False) -> IdentifiedLaw:
+def identified_law(leg: Path, folder: Path, seed: int) -> IdentifiedLaw:
     """The law that recordings press, step, slide and walk give; kept in the folder.
 
     Args:
         leg: model of the leg in the air.
         folder: of the models.
         seed: of the sensors' noise.
-        windows: stiffness and damping as `improve` fits them, not of how the foot sinks.
     """
     file = folder / f"{leg.stem}_on_plate.toml"
     if not file.exists():
         write_model(improved(read_model(leg), seed)[1], file, force=True)
-    model = read_model(file)
-    return IdentifiedLaw.of(model if windows else with_law(model, sinks(read_model(leg), seed)))
+    return IdentifiedLaw.of(with_law(read_model(file), sinks(read_model(leg), seed)))
 
 
 def improved(leg: Model, seed: int, *hidden: HiddenEffect, law: bool = False) -> tuple[Improvement, Model]:

@@ -15,9 +15,8 @@ from transfer_paired import Spread
 from transfer_policies import INJECTED, Trained, policies_of
 from transfer_runs import Job, Made
 from transfer_tables import show
-from transfer_worlds import EVALUATION, TRAINING, ContactLaw
+from transfer_worlds import EVALUATION, TRAINED, TRAINING, ContactLaw
 
-from workbench.training.machine import STEP_S
 from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
@@ -29,8 +28,6 @@ PAPER = {
     "s3n_full": ("S3N-Full", "9.9, 12.23", "10.2"),
     INJECTED: ("S3N-Full, injected", "9.9, 12.23", "10.2"),
 }
-#: Contact and steps of the training: MuJoCo's own contact.
-TRAINED = ContactLaw(0.02, STEP_S, elliptic=False)
 #: Rows of a table: method, and the contact and steps of the simulator that it is compared with.
 Rows = tuple[tuple[str, ContactLaw], ...]
 _BOTH = ("s3n_full", INJECTED)
