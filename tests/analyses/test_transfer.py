@@ -92,7 +92,7 @@ def test_pushes_a_trot_laws_and_estimators_are_told_apart(study: Path) -> None:
 
 
 def test_the_paper_s_own_implementation_is_a_row_of_its_design(study: Path) -> None:
-    """Each policy in its own simulator: injecting in steps of 3 ms is further away than S3N in the inertia."""
+    """Each policy in its own simulator: injecting in steps of 3 ms is further away."""
     own = transfer_study.main(["paper", "--quick", "--out", str(study)])
     full, injected = (own[f"{method}, 6 ms, 3 ms: E_phi"] for method in ("s3n_full", "explicit"))
     assert injected["explicit"][0] > full["s3n_full"][0]

@@ -118,6 +118,11 @@ class InjectedWorlds:
         return values if self.xp is np else self.xp.as_tensor(values, device=self.qpos.device)
 
 
+def with_torques(worlds: Any, machine: Machine) -> Worlds:
+    """Return an engine's worlds, with compensation torques where the machine's variant has them."""
+    return worlds if machine.injected is None else InjectedWorlds(worlds, machine)
+
+
 def _legs(machine: Machine) -> int:
     """How many legs: each ends in a hip and a knee."""
     return sum(name.endswith(machine.model.joints[-1]) for name in machine.joints)

@@ -19,7 +19,7 @@ from .checkpoint import load, save
 from .curve import Curve, Tally
 from .environment import Environment
 from .folder import CHECKPOINT, open_folder
-from .injected import InjectedWorlds
+from .injected import with_torques
 from .loggers import LOGGERS, make_logger
 from .machine import Machine
 from .ppo import Side, make_ppo
@@ -63,7 +63,7 @@ def make_worlds(machine: Machine, settings: Settings, seed: int) -> Worlds:
         worlds: Worlds = WarpWorlds(machine, settings.worlds, fields, settings.device)
     else:
         worlds = BatchWorlds(machine, settings.worlds, fields, settings.threads)
-    return worlds if machine.injected is None else InjectedWorlds(worlds, machine)
+    return with_torques(worlds, machine)
 
 
 def learn(
