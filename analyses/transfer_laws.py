@@ -23,7 +23,7 @@ def laws_table(study: Study, seconds: float, gaps: Gaps) -> dict[str, Values]:
     if "found" in study.files:
         laws["identified"] = identified_law(study.files["found"], study.out / "models", study.seed)
     title = f"The law of the contact, S3N-Full's policies on the lap, {study.which}"
-    return _under(study, "contact", title, seconds, gaps, laws, _MEASURES)
+    return _under(study, "contact", title, seconds, gaps, laws, _MEASURES, "paired")
 
 
 def damping_table(study: Study, seconds: float, gaps: Gaps) -> dict[str, Values]:
@@ -38,9 +38,9 @@ def damping_table(study: Study, seconds: float, gaps: Gaps) -> dict[str, Values]
 
 def _under(
     study: Study, name: str, title: str, seconds: float, gaps: Gaps, laws: Mapping[str, Law],
-    measures: Sequence[str],
+    measures: Sequence[str], *more: str,
 ) -> dict[str, Values]:  # fmt: skip
-    """The table of some measures under each law."""
+    """The table of some measures under each law; `more`: ``paired``, what pairs of simulators tell."""
     units, rows, out = study.policies("circular", "s3n_full"), [], {}
     for short, law in laws.items():
         hardware, again, simulated = crossed(study, units, seconds, ON_PLATE, law)
@@ -48,7 +48,7 @@ def _under(
         for m in measures:
             label = f"{m} [{GAIT[m]}]" if GAIT[m] else m
             shown = cells(study, values[m], 2 if GAIT[m] else 3)
-            rows.append((f"{label}, {short}: {law}", *shown, paired(study, values[m])))
+            rows.append((f"{label}, {short}: {law}", *shown, *(paired(study, values[m]) for _ in more)))
             out[f"{short}: {m}"] = values[m]
-    table(study, name, title, len(units), rows, "paired")
+    table(study, name, title, len(units), rows, *more)
     return out
