@@ -103,7 +103,7 @@ def _spans(on: np.ndarray) -> list[tuple[int, int]]:
 def _depth(leg: Model, r: Recording) -> np.ndarray:
     """Depth (N,) [m] of the foot in the plate, by the encoders; negative in the air."""
     ground = leg.ground
-    assert ground is not None and ground.radius is not None
+    assert ground is not None and ground.radius is not None and ground.height is not None
     m = load_tree(leg.serial).compile()
     data, foot = mujoco.MjData(m), m.site(ground.feet[0]).id
     places = [m.joint(name).qposadr[0] for name in leg.joints]
