@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,8 @@ TRAINED_IN = {
     "s3n_full": "S3N-Full",
     "s3n_full_hr": "S3N-Full HR",
 }
+#: The paper's own implementation: trained with injected torques; no simulator of the crossed tables.
+INJECTED = "explicit"
 #: Tasks that are files.
 TASK_FILES = {"trot": Path(__file__).with_name("fast_trot.py")}
 #: What judges them -> name in print, from the least to the most that is known.
@@ -41,14 +44,17 @@ class Trained:
     file: Path
 
 
-def policies_of(task: str, trained: int, quick: bool = False) -> list[Trained]:
-    """The shipped policies of a task, of so many training seeds; `quick`: two of them."""
+def policies_of(
+    task: str, trained: int, quick: bool = False, methods: Iterable[str] = TRAINED_IN
+) -> list[Trained]:
+    """The shipped policies of a task, of so many training seeds; `quick`: a seed of some."""
     found = [
         Trained(task, method, seed, POLICIES / f"{task}_{method}{f'_seed{seed}' if seed else ''}.zip")
-        for method in TRAINED_IN for seed in range(trained)
+        for method in methods for seed in range(trained)
     ]  # fmt: skip
     there = [p for p in found if p.file.exists()]
-    return [p for p in there if p.seed == 0 and p.method in ("kin_only", "s3n_full")] if quick else there
+    few = "kin_only", "s3n_full", INJECTED
+    return [p for p in there if p.seed == 0 and p.method in few] if quick else there
 
 
 def simulators(which: str, seed: int, folder: Path, quick: bool = False) -> dict[str, Path]:

@@ -37,6 +37,7 @@ class Job:
         seed: of the noise.
         policy: bundle.
         model: of the leg that the simulation has; None: on the hardware.
+        variant: of S3N that is simulated; None: the model's.
         robot: the hardware; a simulation has its payload.
         law: of a simulation's contacts.
         height: of a jump.
@@ -53,6 +54,7 @@ class Job:
     height: float = 1.0
     push: Push | None = None
     task: Path | None = None
+    variant: str | None = None
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,7 @@ def _run(job: Job) -> Made:
     else:
         made = evaluate(
             bundle, seed=_SIMULATION_SEED, hardware=False, sensors=PERFECT, model=read_model(job.model),
+            variant=job.variant,
             world=partial(world_of, law=job.law, payload=job.robot.payload), **both,
         )  # fmt: skip
     return Made(made.recording, made.fell_s)

@@ -4,10 +4,10 @@
 
 One table a question: ``gait`` (a lap of 0.8 m/s and 0.8 rad/s), ``pitch`` (in place, 5 Hz), ``jump`` (a
 script), ``payload`` (the lap with 4 kg), ``push`` (from the side, on the lap), ``trot`` (1.8 m/s),
-``contact`` (the law of the contact), ``robot`` (a hardware that is less ideal), ``estimator`` (of the
-velocity) and ``paper`` (every policy in its own simulator alone). Every policy runs in every simulator,
-against the same hardware run; hardware again is another run of it, with other noise. Runs and models are kept
-in the folder.
+``contact`` (the law of the contact), ``damping`` (of that law), ``robot`` (a hardware that is less ideal),
+``estimator`` (of the velocity) and ``paper`` (every policy in its own simulator alone). Every policy runs in
+every simulator, against the same hardware run; hardware again is another run of it, with other noise. Runs
+and models are kept in the folder.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, paired, table, told
-from transfer_floor import ON_PLATE, identified_law
+from transfer_crossed import Study, Values, cells, collected, crossed, table, told
+from transfer_laws import damping_table, laws_table
 from transfer_measures import (
     GAIT,
     PITCH,
@@ -32,30 +32,22 @@ from transfer_measures import (
     seen_by_legs,
     swing_misses,
 )
-from transfer_paired import Spread
+from transfer_paper import paper_lap, paper_pitch
 from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
 from transfer_runs import Job, Made
-from transfer_tables import show
-from transfer_worlds import EVALUATION, TRAINING, ContactLaw, Law, Push
+from transfer_worlds import EVALUATION, Push
 
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
 from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
-PAPER = {
-    "kin_only": ("Kin-Only", "17.3, 19.46"),
-    "kin_only_hr": ("Kin-Only HR", "21.5, 24.17"),
-    "s3n_act": ("S3N-Act", "15.7, 18.26"),
-    "s3n_full": ("S3N-Full", "9.9, 12.23"),
-}
 _PUSH, _PUSHES = Push(50.0), 4
 _TROT = 1.8, 0.0  # m/s, rad/s
 _TROT_S = 4.0
 _LAP_S = 2 * np.pi / CIRCLE[2]
 _PITCH_S = 1.0 + 40 / 5.0
-_LAWS = {"default": ContactLaw(0.02, 0.003, elliptic=False), "training": TRAINING, "evaluation": EVALUATION}
 _ESTIMATORS: dict[str, Callable[[Made], Made]] = {
     "motion capture": lambda made: made,
     "leg odometry, foot a point": partial(seen_by_legs, radius=0.0),
@@ -161,22 +153,12 @@ def jump(study: Study) -> dict[str, Values]:
 
 def contact(study: Study) -> dict[str, Values]:
     """What the law of the contact does to the lap, S3N-Full's policies; the ground is that of the plate."""
-    units = study.policies("circular", "s3n_full")
-    laws: dict[str, Law] = dict(_LAWS)
-    if "found" in study.files:
-        laws["identified"] = identified_law(study.files["found"], study.out / "models", study.seed)
-    rows, out = [], {}
-    for name, law in laws.items():
-        hardware, again, simulated = crossed(study, units, _seconds(study), ON_PLATE, law)
-        values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
-        for m in ("E_phi", "stride frequency", "duty factor", "foot force over the stride"):
-            label = f"{m} [{GAIT[m]}]" if GAIT[m] else m
-            shown = cells(study, values[m], 2 if GAIT[m] else 3)
-            rows.append((f"{label}, {name}: {law}", *shown, paired(study, values[m])))
-            out[f"{name}: {m}"] = values[m]
-    title = f"The law of the contact, S3N-Full's policies on the lap, {study.which}"
-    table(study, "contact", title, len(units), rows, "paired")
-    return out
+    return laws_table(study, _seconds(study), _lap_gaps)
+
+
+def damping(study: Study) -> dict[str, Values]:
+    """The same with the law of the plate, and with more damping than it has."""
+    return damping_table(study, _seconds(study), _lap_gaps)
 
 
 def robot(study: Study) -> dict[str, Values]:
@@ -214,27 +196,15 @@ def estimator(study: Study) -> dict[str, Values]:
 
 
 def paper(study: Study) -> dict[str, Values]:
-    """The paper's design: a policy in the simulator that it was trained in, and its numbers."""
-    units = study.policies("circular")
-    hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware())
-    rows, out = [], {}
-    for method, (name, theirs) in PAPER.items():
-        mine = [k for k, u in enumerate(units) if u.method == method]
-        own = {method: [simulated[method.removesuffix("_hr")][k] for k in mine]}
-        one, two = ([runs[k] for k in mine] for runs in (hardware, again))
-        out[method] = found = collected(["E_phi", "E_RMSE"], one, two, own, _lap_gaps)
-        shown = [Spread.of(found[m][s]).text() for m in found for s in (method, AGAIN)]
-        rows.append((name, *shown, theirs))
-    columns = ("method", "E_phi [%]", "again", "E_RMSE [%]", "again", "paper: E_phi, E_RMSE")
-    title = (
-        f"Each policy in its own simulator, {study.which}: mean over training seeds ± half its 95 % interval"
-    )
-    show(study.out, study.file("paper"), title, columns, rows)
-    return {f"{method}: {m}": v for method, found in out.items() for m, v in found.items()}
+    """The paper's design: a policy in the simulator that it was trained in, and its numbers; two tables."""
+    return {
+        **paper_lap(study, _seconds(study)),
+        **paper_pitch(study, 3.0 if study.quick else _PITCH_S),
+    }
 
 
 QUESTIONS: dict[str, Callable[[Study], dict[str, Values]]] = {
-    f.__name__: f for f in (gait, pitch, jump, payload, push, trot, contact, robot, estimator, paper)
+    f.__name__: f for f in (gait, pitch, jump, payload, push, trot, contact, damping, robot, estimator, paper)
 }
 
 

@@ -74,7 +74,9 @@ class ContactLaw:
         return made
 
 
-#: As `train --stiff-contact` has it; and with short steps and a round friction cone, which resolve it.
+#: As `train` has it, MuJoCo's own; as with `--stiff-contact`; and in short steps with a round cone, which
+#: resolve it.
+TRAINED = ContactLaw(0.02, STEP_S, elliptic=False)
 TRAINING = ContactLaw(STIFF_S, STEP_S, elliptic=False)
 EVALUATION = ContactLaw(STIFF_S, 0.0005, elliptic=True)
 

@@ -87,6 +87,19 @@ def test_pushes_a_trot_laws_and_estimators_are_told_apart(study: Path) -> None:
     laws = transfer_study.main(["contact", "--quick", "--out", str(study)])
     assert {key.split(":")[0] for key in laws} == {"default", "training", "evaluation"}
     assert all(np.isfinite(v["s3n_full"]).all() for v in laws.values())
+    damped = transfer_study.main(["damping", "--quick", "--out", str(study)])
+    assert np.isfinite(damped["150 N s/m: foot force over the stride"]["s3n_full"]).all()
+
+
+def test_the_paper_s_own_implementation_is_a_row_of_its_design(study: Path) -> None:
+    """Each policy in its own simulator: injecting in steps of 3 ms is further away."""
+    own = transfer_study.main(["paper", "--quick", "--out", str(study)])
+    full, injected = (own[f"{method}, 6 ms, 3 ms: E_phi"] for method in ("s3n_full", "explicit"))
+    assert injected["explicit"][0] > full["s3n_full"][0]
+    assert {f"explicit, {law}: E_phi" for law in ("6 ms, 0.5 ms", "6 ms, 3 ms", "20 ms, 3 ms")} <= set(own)
+    assert np.isfinite(own["s3n_full, 6 ms, 0.5 ms: force on a foot, RMSE"]["s3n_full"]).all()
+    table = (study / "paper_clean.md").read_text(encoding="utf-8")
+    assert "| S3N-Full, injected | 6 ms, 3 ms |" in table and "Kin-Only HR" not in table
 
 
 def test_the_law_of_the_ground_comes_from_recordings_on_the_plate(study: Path) -> None:
@@ -94,6 +107,7 @@ def test_the_law_of_the_ground_comes_from_recordings_on_the_plate(study: Path) -
     law = identified_law(models / "clean_s3n_full.toml", models, 0)
     assert law.stiffness == pytest.approx(ON_PLATE.ground_stiffness, rel=0.05)
     assert law.friction == pytest.approx(ON_PLATE.friction, abs=0.04)
+    assert law.damping == pytest.approx(ON_PLATE.ground_damping, abs=30.0)  # `improve` alone: 260
     assert identified_law(models / "clean_s3n_full.toml", models, 0) == law  # what is there is kept
 
 

@@ -51,6 +51,7 @@ def evaluate(
     sensors: Sensors | None = None,
     robot: Robot = IDEAL,
     model: Model | None = None,
+    variant: str | None = None,
     world: Callable[[Machine], mujoco.MjModel] | None = None,
     task_file: Path | None = None,
     push: Push | None = None,
@@ -66,6 +67,7 @@ def evaluate(
         sensors: of the drives; by default those of the virtual leg.
         robot: what the hardware has beyond its drawing.
         model: of a leg, with its variant; the simulation is of this model instead of the trained one.
+        variant: of S3N in place of that of `model`, or ``explicit``.
         world: makes the simulation of a machine, instead of that of its file.
         task_file: the Python file of a task that is one.
         push: pushes on the trunk, on hardware and in simulation alike.
@@ -86,7 +88,7 @@ def evaluate(
                 ClosedChainPlant(machine, robot) if machine.floating else OwnPlant(machine, robot.hidden)
             )
         else:
-            simulated = machine if model is None else make_machine(machine.kind, model)
+            simulated = machine if model is None else make_machine(machine.kind, model, variant)
             plant = TrainedPlant(simulated, None if world is None else world(simulated))
     task = task_of(bundle, task_file)
     log = run(

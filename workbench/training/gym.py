@@ -19,6 +19,7 @@ import numpy as np
 from workbench.core import InputError
 
 from .environment import ACTION_LIMIT, Environment
+from .injected import with_torques
 from .machine import Machine, make_machine
 from .probe import sizes
 from .randomisation import Randomisation, world_fields
@@ -105,7 +106,7 @@ class WorkbenchVectorEnv(VectorEnv):
 
     def _begun(self, seed: int) -> Environment:
         fields = world_fields(self.machine, self._drawn, self.num_envs, seed)
-        worlds = BatchWorlds(self.machine, self.num_envs, fields)
+        worlds = with_torques(BatchWorlds(self.machine, self.num_envs, fields), self.machine)
         return Environment(self.task, self.machine, worlds, self.num_envs, self._drawn, seed, keep_final=True)
 
 

@@ -19,6 +19,7 @@ from .checkpoint import load, save
 from .curve import Curve, Tally
 from .environment import Environment
 from .folder import CHECKPOINT, open_folder
+from .injected import with_torques
 from .loggers import LOGGERS, make_logger
 from .machine import Machine
 from .ppo import Side, make_ppo
@@ -59,8 +60,10 @@ def make_worlds(machine: Machine, settings: Settings, seed: int) -> Worlds:
     if settings.device.startswith("cuda"):
         from .warp_worlds import WarpWorlds
 
-        return WarpWorlds(machine, settings.worlds, fields, settings.device)
-    return BatchWorlds(machine, settings.worlds, fields, settings.threads)
+        worlds: Worlds = WarpWorlds(machine, settings.worlds, fields, settings.device)
+    else:
+        worlds = BatchWorlds(machine, settings.worlds, fields, settings.threads)
+    return with_torques(worlds, machine)
 
 
 def learn(

@@ -16,10 +16,12 @@ import numpy as np
 from workbench.core import DriveMap, InputError
 from workbench.models import Model, load_tree
 from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
+from workbench.s3n.explicit import Injection
 from workbench.s3n.mjcf import exact_xml
 from workbench.s3n.posture_fitted import ALLOWED, left_out
 
 from .floor import lay_floor
+from .injected import EXPLICIT, split
 from .quadruped import LEGS, base_height, quadruped
 from .rotors import Rotors, no_rotors, rotors_of
 
@@ -56,6 +58,7 @@ class Machine:
         rotors: joints on the motors' sides of what is soft or has play.
         left_out: effects of the model that plain MJCF cannot hold; the policy does not see them.
         map: the drives' positions where the transmission changes with the posture; None where it is constant.
+        injected: torques that no file holds, of the variant ``explicit``; None of all others.
     """
 
     kind: str
@@ -76,6 +79,12 @@ class Machine:
     rotors: Rotors
     left_out: tuple[str, ...]
     map: DriveMap | None = None
+    injected: Injection | None = None
+
+    @property
+    def variant(self) -> str:
+        """Return what is simulated: the model's variant, or ``explicit``."""
+        return self.model.variant if self.injected is None else EXPLICIT
 
     def drive_position(self, joints: np.ndarray) -> np.ndarray:
         """Return drive positions (..., n) at joint positions (..., n)."""
@@ -121,7 +130,7 @@ def make_machine(
     Args:
         kind: ``leg`` or ``quadruped``.
         model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
-        variant: a plain variant of S3N in place of the model's own.
+        variant: a plain variant of S3N in place of the model's own, or ``explicit``.
         fitted: MJCF and drives' positions of a limb whose transmission changes, where that was done before.
         stiff: whether a quadruped's contacts are as stiff as the step allows, not MuJoCo's default.
 
@@ -154,11 +163,12 @@ def make_machine(
         missing = left_out(prompt)
         own, text, drives = prompt, *(fitted or _fitted(prompt))
     else:
-        tree, drives = normalise(prompt, variant), None
+        tree, drives = normalise(prompt, "kin_only" if variant == EXPLICIT else variant), None
         own, text, missing = tree.model, tree.xml, tree.left_out
     leg = mujoco.MjSpec.from_string(text)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
+    injected = split(leg, prompt) if variant == EXPLICIT else None
     spec = leg if kind == "leg" else quadruped(leg, model)
     spec.compile()
     floor: tuple[str, ...] = ()
@@ -200,6 +210,7 @@ def make_machine(
         rotors=rotors_of(compiled, joints) if drives is None else no_rotors(len(joints)),
         left_out=(*missing, *floor),
         map=drives,
+        injected=injected,
     )
 
 

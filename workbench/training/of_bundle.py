@@ -18,6 +18,7 @@ from workbench.models import Actuators, Ground, Model, model_text, read_model
 from workbench.models.mjcf import check_mjcf_text
 from workbench.s3n import with_variant
 
+from .injected import EXPLICIT
 from .machine import LEGS, STEP_S, Machine, make_machine
 from .task import Task
 from .task_code import same_code
@@ -99,6 +100,8 @@ def machine_of(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> 
 
 
 def _made(kind: str, model: Model, bundle: PolicyBundle) -> Machine:
+    if bundle.variant == EXPLICIT:
+        return make_machine(kind, model, EXPLICIT)
     if not model.posture_dependent:
         return make_machine(kind, with_variant(model, bundle.variant))
     if bundle.control.map is None:
@@ -135,13 +138,13 @@ def hardware_of(bundle: PolicyBundle, file: Path | None = None) -> str:
 
 def model_files(machine: Machine, folder: Path) -> dict[Path, str]:
     """Return the texts of a model (TOML) and its MJCF, by file in `folder`; empty if drives have joints of
-    their own.
+    their own, or torques are injected.
 
     Args:
         machine: of kind ``quadruped``; a leg's recordings are held against the leg's own model.
         folder: where they will lie.
     """
-    if not machine.floating or len(machine.rotors.places):
+    if not machine.floating or len(machine.rotors.places) or machine.injected is not None:
         return {}
     tree, file = folder / "robot.xml", folder / "robot.toml"
     n = machine.size

@@ -14,6 +14,7 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
+from .injected import Injector
 from .machine import LEGS, STEP_S, Machine
 from .plant import State
 from .quadruped import FOOT_RADIUS
@@ -138,6 +139,7 @@ class TrainedPlant:
         self._substeps = round(STEP_S / m.opt.timestep)
         self._feet = [m.geom(foot).id for foot in feet]
         self._force = np.zeros((len(feet), 3))
+        self._injector = None if machine.injected is None else Injector(machine, np.asarray, np)
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """Set it at rest at drive positions (n,)."""
@@ -154,9 +156,18 @@ class TrainedPlant:
         self._data.ctrl[:] = torque
         force = np.zeros_like(self._force)
         for _ in range(self._substeps):
+            self._inject()
             mujoco.mj_step(self._m, self._data)
             force += self._loads()
         self._force = force / self._substeps
+
+    def _inject(self) -> None:
+        """Compensation torques from the step before, where the machine's variant has them."""
+        if self._injector is not None:
+            data = self._data
+            torques = self._injector.torque(data.qpos[None], data.qvel[None], data.qacc[None])
+            for dofs, torque in zip(self._injector.dofs, torques, strict=True):
+                data.qfrc_applied[dofs] = torque[0]
 
     def push(self, force: np.ndarray) -> None:
         """Push the base; its origin is that of its body."""

@@ -71,7 +71,7 @@ def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[st
     return {
         "format": 1,
         "task": task.name,
-        "variant": machine.model.variant,
+        "variant": machine.variant,
         "settings": asdict(settings),
         "leg_randomisation": asdict(links)
         if (links := LEG_RANDOMISATION[settings.randomisation.legs])

@@ -46,6 +46,7 @@ class WarpWorlds:
             )
         views = (wp.to_torch(getattr(self._d, name)) for name in ("qpos", "qvel", "ctrl", "sensordata"))
         self.qpos, self.qvel, self.ctrl, self.sensordata = views
+        self.qacc, self.qfrc_applied = wp.to_torch(self._d.qacc), wp.to_torch(self._d.qfrc_applied)
         self._warm, self._time = wp.to_torch(self._d.qacc_warmstart), wp.to_torch(self._d.time)
         self._graph = self._capture() if self._device.is_cuda else None
 

@@ -59,6 +59,7 @@ class BatchWorlds:
         self._batch = batch_of(machine.mujoco, count, fields or {}, threads)
         self.qpos, self.qvel, self.ctrl = (self._batch.bind(name) for name in ("qpos", "qvel", "ctrl"))
         self.sensordata = self._batch.bind("sensordata")
+        self.qacc, self.qfrc_applied = (self._batch.bind(name) for name in ("qacc", "qfrc_applied"))
 
     def step(self) -> None:
         """Simulate one step of all worlds."""
