@@ -128,6 +128,12 @@ def test_duplicate_axes(tmp_path: Path) -> None:
     assert error.column == "axes" and "'a' is named twice" in error.problem
 
 
+def test_one_column_is_not_the_position_of_two_axes(tmp_path: Path) -> None:
+    columns = {**description()["columns"], "position": ["q_a", "q_a"]}
+    error = refused_key(tmp_path, columns=columns)
+    assert error.column == "columns.position" and "'q_a' is the position of a and b" in error.problem
+
+
 def test_wrong_number_of_columns(tmp_path: Path) -> None:
     columns = {**description()["columns"], "velocity": ["w_a"]}
     error = refused_key(tmp_path, columns=columns)

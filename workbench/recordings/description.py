@@ -197,6 +197,13 @@ def _check_names(d: Description, path: Path) -> None:
             each = "give one column per axis, in the order of axes"
             remedy = each if signal in AXIS_SIGNALS else "give one"
             raise InputError(problem, file=path, column=f"columns.{signal}", remedy=remedy)
+    measured = [c.column for c in d.columns["position"]]
+    if shared := sorted({c for c in measured if measured.count(c) > 1}):
+        both = " and ".join(a for a, c in zip(d.axes, measured, strict=True) if c == shared[0])
+        raise InputError(
+            f"'{shared[0]}' is the position of {both}", file=path, column="columns.position",
+            remedy="give each axis its own column",
+        )  # fmt: skip
     forces = len(d.columns.get("ground_force", ()))
     if forces % 3:
         problem = f"has {counted(forces, 'column')}, which is not a multiple of three"
