@@ -117,15 +117,15 @@ def calibration(solvers: Mapping[str, Marks]) -> Figure:
 def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
     """Share of cases that are right, with 95 % intervals, over the median processor time of a case."""
     figure, ax = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
-    last, below = 0.0, False
     figured = {name: row(marks) for name, marks in solvers.items()}
     timed = {name: figures for name, figures in figured.items() if math.isfinite(figures["seconds"])}
-    for name, figures in sorted(timed.items(), key=lambda item: item[1]["seconds"]):
+    places = {name: (max(f["seconds"], 1e-2), f["right"][0] / f["right"][1]) for name, f in timed.items()}
+    for name, figures in timed.items():
         good, of = figures["right"]
         low, high = wilson(good, of)
-        at = max(figures["seconds"], 1e-2)
-        below = at < 2.0 * last and not below  # names of neighbours stand above and below by turns
-        last = at
+        at, share = places[name]
+        # of neighbours the name of the lower one stands below its point
+        below = any(0.5 < at / x < 2.0 and share < y for x, y in places.values())
         ax.plot([at, at], [low, high], color=_GREY, lw=1)
         ax.plot(at, good / of, "o", color=_BLUE)
         beside = (6, -12) if below else (6, 4)
