@@ -64,6 +64,7 @@ NUMBERS = [
     ("policy", "significant", word(3.0, "three"), "not {} standard deviations from nothing"),
     ("policy", "significant", word(3.0, "three"), "stays {} standard deviations above nothing"),
     ("policy", "explained", percent, "the law reaches {} of it"),
+    ("policy", "basic_law", percent, "of it, or {} where it is inertia, damping and Coulomb"),
     ("policy", "near_named", percent, "What removes {} or more, and still too little"),
     ("policy", "something", percent, "of {} or more, only that there is something"),
     ("policy", "replacement_close", times, "it left less than {} as much"),

@@ -113,15 +113,6 @@ def test_a_bundle_of_such_a_run_is_judged_with_its_torques(tmp_path: Path) -> No
     assert not robot_files(bundle, tmp_path / "robot")  # no plain MJCF holds it
 
 
-def test_worlds_of_another_learner_have_the_torques_too() -> None:
-    pytest.importorskip("gymnasium")
-    from workbench.training.gym import vector_environment
-
-    made = [vector_environment("reach", num_envs=2, variant=v, seed=1) for v in (EXPLICIT, "kin_only")]
-    seen = [env.step(np.full((2, 2), 0.5))[0] for env in made]
-    assert np.abs(seen[0] - seen[1]).max() > 1e-3
-
-
 def test_a_limb_without_a_linkage_is_refused() -> None:
     with pytest.raises(InputError, match="parallelogram"):
         make_machine("leg", replace(load_model("leg_kin_only"), linkage=None), EXPLICIT)
