@@ -21,7 +21,7 @@ RESULTS = {
 
 
 @pytest.mark.parametrize("page", RESULTS)
-def test_every_row_of_the_results_is_a_figure_and_every_number_in_it_the_table_s(page: str) -> None:
+def test_every_row_of_the_results_is_a_figure_of_the_table(page: str) -> None:
     stands = [(f, s) for f in figure_table.figures() for s in f.get("stands", ()) if s["file"] == page]
     rows = list(table_rows(RESULTS[page]))[2:]
     assert len(rows) == len(stands)

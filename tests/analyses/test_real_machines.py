@@ -48,7 +48,7 @@ def test_a_machine_that_takes_seconds_holds_to_it_now(machine: dict[str, Any], t
     held(machine, answer(machine["name"], data, tmp_path))
 
 
-def test_the_coupled_wrist_explains_what_the_uncoupled_one_cannot() -> None:
+def test_the_coupled_wrist_explains_what_the_other_cannot() -> None:
     coupled, uncoupled = (ANSWERS[name]["judged"]["after"]["error"] for name in ("tx40", "tx40_uncoupled"))
     assert coupled < 0.85 * uncoupled
 
@@ -109,7 +109,7 @@ RIPPLE = {
 }
 
 
-def test_what_is_named_is_told_from_what_is_missed_outside_and_false() -> None:
+def test_what_is_named_is_told_from_missed_outside_and_false() -> None:
     said = made(
         ("cogging", "m", {"torque": 0.5, "order": 7.01}),
         ("viscous_damping", "m", {"damping": 0.1}),

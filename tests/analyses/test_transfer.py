@@ -102,7 +102,7 @@ def test_the_paper_s_own_implementation_is_a_row_of_its_design(study: Path) -> N
     assert "| S3N-Full, injected | 6 ms, 3 ms |" in table and "Kin-Only HR" not in table
 
 
-def test_the_law_of_the_ground_comes_from_recordings_on_the_plate(study: Path) -> None:
+def test_the_law_of_the_ground_comes_from_the_plate(study: Path) -> None:
     models = study / "models"
     law = identified_law(models / "clean_s3n_full.toml", models, 0)
     assert law.stiffness == pytest.approx(ON_PLATE.ground_stiffness, rel=0.05)

@@ -13,7 +13,7 @@ from workbench.effects import compile_plant
 _FLANGE = (-0.6127 - 0.57155, -0.17415 - 0.11655, 0.1807 - 0.11985)
 
 
-def test_the_stretched_arm_reaches_and_weighs_what_its_maker_says() -> None:
+def test_the_stretched_arm_reaches_and_weighs_as_its_maker_says() -> None:
     plant = compile_plant(load_model("ur10e")).mujoco
     data = mujoco.MjData(plant)
     mujoco.mj_inverse(plant, data)
@@ -34,7 +34,7 @@ def test_a_log_becomes_a_recording_of_joint_torques(tmp_path: Path) -> None:
     np.testing.assert_allclose(r.signals["torque_measured"], log[:, 13:19] * ur10e.TORQUE_CONSTANT, atol=1e-3)
 
 
-def test_the_authors_friction_is_held_at_the_same_torque_constants(tmp_path: Path) -> None:
+def test_the_authors_friction_is_held_at_the_same_constants(tmp_path: Path) -> None:
     triples = " ".join("20 10 0.1" for _ in ur10e.AXES)
     text = (
         f"pi_frcn - friction\ndrvGains = [{' '.join('10' for _ in ur10e.AXES)}];\n\npi_frcn = [{triples}]\n"

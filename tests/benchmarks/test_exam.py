@@ -34,7 +34,7 @@ def result(truth: list[EffectKey], given: Answer, floor: float | None = 1.0) -> 
     return scoring.outcome(truth, given, scoring.matches(truth, given, floor))
 
 
-def test_what_is_not_visible_beside_the_others_need_not_be_named() -> None:
+def test_what_is_not_visible_by_the_others_need_not_be_named() -> None:
     named = answer(BIAS)
     found = scoring.matches([BIAS, INERTIA], named, 1.0)
     assert scoring.outcome([BIAS, INERTIA], named, found) == "part"
@@ -46,7 +46,7 @@ def test_what_is_not_visible_beside_the_others_need_not_be_named() -> None:
     )
 
 
-def test_there_are_enough_cases_of_every_kind_and_each_has_its_own_name() -> None:
+def test_there_are_enough_cases_of_every_kind_with_names() -> None:
     counts = Counter(case.kind for case in CASES)
     assert len({case.name for case in CASES}) == len(CASES) >= 200
     assert set(counts) == set(KINDS) and min(counts.values()) >= 15

@@ -81,7 +81,7 @@ def test_a_load_at_the_tip_is_the_same_as_two_bodies() -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_an_exam_is_the_same_for_the_same_seed_and_its_beginning_is_mixed(family: str) -> None:
+def test_an_exam_is_the_same_for_its_seed_and_begins_mixed(family: str) -> None:
     cases, other = field_cases(family, 7), field_cases(family, 8)
     assert cases == field_cases(family, 7)
     assert len({c.name for c in cases}) == len(cases) and not {c.seed for c in cases} & {
@@ -126,7 +126,7 @@ def test_a_value_may_be_off_by_a_tenth_of_what_the_machine_has() -> None:
         assert judged(CASE, "wrong_number", marks, diagnosis())["good"] is good
 
 
-def test_beside_a_stranger_the_verdict_says_that_something_is_left() -> None:
+def test_beside_a_stranger_the_verdict_says_more_is_left() -> None:
     for floor, verdict, good in (
         (5.0, "partly_explained", True),
         (5.0, "missing_effect", False),

@@ -19,7 +19,7 @@ def test_who_waits_computes_nothing() -> None:
     assert signal.getsignal(signal.SIGALRM) is before
 
 
-def test_what_computes_on_and_on_ends_though_it_catches_exceptions() -> None:
+def test_what_computes_on_ends_though_it_catches_exceptions() -> None:
     begun = time.process_time()
     with pytest.raises(TooLong), at_most(0.05, cpu=True):
         while time.process_time() - begun < 10.0:

@@ -61,7 +61,7 @@ def test_rows_for_what_may_change_and_names_for_the_rest() -> None:
     assert few < more
 
 
-def test_a_case_is_asked_with_the_value_and_tells_what_another_would_decide(
+def test_a_case_is_asked_with_the_value_and_tells_another(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def marked(case: Any, others: Any, now: str, *, patience: float) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def test_a_case_is_asked_with_the_value_and_tells_what_another_would_decide(
     assert Policy() == POLICY
 
 
-def test_only_what_may_change_is_asked_again_once_and_first_in_the_shortest_case(
+def test_only_what_may_change_is_asked_again_and_once(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     asked: list[tuple[str, str | None]] = []

@@ -45,7 +45,7 @@ def test_a_ratio_is_that_of_the_work() -> None:
     assert (found.median, found.least, found.most, found.repeats) == (2.0, 1.0, 3.0, 3)
 
 
-def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(recording: Recording) -> None:
+def test_the_catalogue_is_screened_in_some_simulations_time(recording: Recording) -> None:
     model = load_model("leg")
     data, simulated = gather(model, [recording], (), 0)
     start = starting_fit(model, data, simulated.clean)

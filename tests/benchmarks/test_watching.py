@@ -51,7 +51,7 @@ def noted(decide: Callable[[], Any]) -> tuple[Any, Notes]:
         (lambda: sorted([POLICY.at_noise, 1.3, 2.0])[0] == 1.3, False, {MORE}),
     ],
 )
-def test_a_comparison_that_another_value_turns_is_found_and_no_other(
+def test_a_comparison_that_a_value_turns_is_found_alone(
     decide: Callable[[], Any], plain: Any, flips: set[float]
 ) -> None:
     with watching(values) as notes:
@@ -61,7 +61,7 @@ def test_a_comparison_that_another_value_turns_is_found_and_no_other(
     assert notes.read == {"at_noise"}
 
 
-def test_least_and_most_in_modules_of_the_diagnosis_decide_only_with_what_follows() -> None:
+def test_least_and_most_decide_only_with_what_follows() -> None:
     here = vars(data)
     with watching(values) as notes:
         most, number = here["max"](1.1, POLICY.at_noise), here["float"](POLICY.at_noise)
@@ -74,7 +74,7 @@ def test_least_and_most_in_modules_of_the_diagnosis_decide_only_with_what_follow
     assert not notes.escapes and "float" not in here
 
 
-def test_what_leaves_as_a_plain_number_is_an_escape_where_it_is_another() -> None:
+def test_what_leaves_as_another_plain_number_is_an_escape() -> None:
     def opaque() -> None:
         assert list(islice(rows, POLICY.most_effects)) == list(rows)
         assert "12345"[: POLICY.shift_rows] == "12345"
@@ -94,7 +94,7 @@ def test_what_leaves_as_a_plain_number_is_an_escape_where_it_is_another() -> Non
     assert "explained" in notes.read and not notes.flips
 
 
-def test_after_a_flip_nothing_more_is_noted_and_words_decide_nothing() -> None:
+def test_after_a_flip_nothing_is_noted_and_words_do_nothing() -> None:
     def decide() -> str:
         first = POLICY.at_noise > 1.4
         return f"{first} {POLICY.at_noise + 0.2 > 1.6} {math.sqrt(POLICY.at_noise):.3f} {POLICY.tie:g}"

@@ -14,7 +14,7 @@ def test_processes_with_one_scale_read_one_clock() -> None:
     assert before <= 4.0 * read <= after
 
 
-def test_it_sleeps_longer_for_the_machine_and_never_for_what_is_past() -> None:
+def test_it_sleeps_longer_and_never_for_what_is_past() -> None:
     clock, begin = Clock(5.0), time.monotonic()
     clock.sleep_until(clock.now() + 0.01)
     assert time.monotonic() - begin >= 0.05

@@ -54,7 +54,7 @@ def test_a_dbc_is_written(tmp_path: Path) -> None:
     assert names == {"command_hip", "command_knee", "feedback_11", "feedback_12"}
 
 
-def test_an_odrive_may_close_its_own_loop_and_a_moteus_stand_beside_another(tmp_path: Path) -> None:
+def test_an_odrive_may_close_its_loop_and_a_moteus_stand_by(tmp_path: Path) -> None:
     robstride, mit = (
         [motor(a, k, protocol=name, **more) for k, a in enumerate("ab")]
         for name, more in (("robstride", {}), ("mit", {"reply_id": 9}))
@@ -71,7 +71,7 @@ def test_an_odrive_may_close_its_own_loop_and_a_moteus_stand_beside_another(tmp_
         assert len(load_config(written(tmp_path, content)).axes) == axes
 
 
-def test_a_dbc_of_an_odrive_is_that_of_its_node_and_a_moteus_has_none(tmp_path: Path) -> None:
+def test_a_dbc_of_an_odrive_is_its_node_s_a_moteus_has_none(tmp_path: Path) -> None:
     content = table([ODRIVE, {**ODRIVE, "axis": "toe", "id": 3}, {**MOTEUS, "bus": "fd", "axis": "heel"}])
     content["bus"].append({**content["bus"][0], "name": "fd", "channel": "fd", "data_bitrate": 5_000_000})
     out = tmp_path / "robot.dbc"

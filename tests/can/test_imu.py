@@ -59,13 +59,13 @@ def test_frames_that_do_not_fit_change_nothing(tmp_path) -> None:
     assert UNIT.decode(Frame(0x60, bytes(6), extended=True)) is None
 
 
-def test_what_is_not_known_is_old_and_what_is_not_there_is_not_missed(tmp_path) -> None:
+def test_what_is_unknown_is_old_and_what_is_absent_not_missed(tmp_path) -> None:
     loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60})
     assert BaseFeedback(loaded, 0.009).age(5.0) == float("inf")
     assert BaseFeedback(loaded.model_copy(update={"imu": None}), 0.009).age(5.0) == 0.0
 
 
-def test_what_carries_a_base_is_averaged_over_the_time_that_it_may_fall(tmp_path) -> None:
+def test_what_carries_a_base_is_averaged_over_a_fall(tmp_path) -> None:
     loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60, "fall_s": 0.1})
     base, now = BaseFeedback(loaded, 0.009), 5.0
 

@@ -126,7 +126,7 @@ def test_what_is_no_number_or_beyond_the_ranges_is_refused(drive, bad, field) ->
         drive.command(Setpoint(*values))
 
 
-def test_damping_without_stiffness_is_a_mode_of_its_own_or_nothing() -> None:
+def test_damping_without_stiffness_is_a_mode_or_nothing() -> None:
     damp = Setpoint(0.3, 0.0, 0.0, 2.0, 0.0)
     assert FLOAT.command(damp).data[:3] == b"\x01\x00\x0c"
     assert FLOAT.asked(FLOAT.command(damp)) == understood(FLOAT.command(damp)) == (0, 0, 0, 2.0, 0)
@@ -255,7 +255,7 @@ def test_its_exchange_is_as_long_as_its_frames() -> None:
 
 
 @pytest.mark.parametrize("kind", range(3), ids=["int8", "int16", "int32"])
-def test_the_most_negative_integer_is_no_number_and_the_next_is_one(kind: int) -> None:
+def test_the_most_negative_integer_is_no_number(kind: int) -> None:
     least, letter = -(2 ** (8 << kind) // 2), "bhi"[kind]
 
     def velocity(raw: int) -> float:

@@ -121,7 +121,7 @@ def answers(codec: Odrive, other: OdriveDrive, said: Feedback) -> object:
     return [codec.decode(frame) for frame in other.answer(said)][-1]
 
 
-def test_a_drive_that_no_longer_tells_its_state_or_temperature_says_nothing() -> None:
+def test_a_drive_that_no_longer_tells_its_state_says_nothing() -> None:
     said = Feedback(0.1, 0.2, 0.3, 30.0, True)
     codec, other = drive(), virtual()
     assert answers(codec, other, said) is None, "not before its state is known"
@@ -240,7 +240,7 @@ def test_its_exchange_and_what_a_log_shows_of_actions() -> None:
     assert Odrive(0, RANGES).claims == {(k, False) for k in range(32)}
 
 
-def test_four_hundred_feedbacks_may_lack_a_temperature_and_no_more() -> None:
+def test_four_hundred_feedbacks_may_lack_a_temperature() -> None:
     said = Feedback(0.1, 0.2, 0.3, 30.0, True)
     codec, other = drive(), virtual()
     beat, warm = other.unasked(said, 0.0)

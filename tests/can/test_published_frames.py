@@ -85,7 +85,7 @@ def test_frames_of_others_are_left_to_them(drive) -> None:
             assert drive.asked(Frame(frame.id, data, frame.extended)) is None
 
 
-def test_drives_that_share_an_id_for_answers_are_told_apart_by_their_first_byte() -> None:
+def test_drives_that_share_an_answer_id_are_told_by_a_byte() -> None:
     one, two = Mit(3, 0, AK), Mit(4, 0, AK)
     assert two.decode(one.answer(Feedback(1.0, 0.0, 0.0))) is None
     said = DRIVES["damiao"].answer(Feedback(1.0, 0.0, 0.0, 30.0, True))

@@ -18,7 +18,7 @@ class Listener:
         self.got.append((stamp, frame))
 
 
-def test_the_lowest_identifier_goes_first_and_each_takes_its_bits() -> None:
+def test_the_lowest_identifier_goes_first_and_takes_its_bits() -> None:
     wire, ear, echo = Wire(1e6), Listener(), Listener()
     one, two, _ = (
         wire.attach("one", Listener(), echo),

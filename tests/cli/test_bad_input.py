@@ -79,9 +79,7 @@ def test_what_cannot_be_read_ends_in_one_line(
         assert not (tmp_path / "out").exists(), (given, "something was written all the same")
 
 
-def test_a_name_that_no_file_can_have_is_refused_before_anything_is_computed(
-    files: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_name_that_no_file_can_have_is_refused_at_once(files: dict[str, Path], tmp_path: Path) -> None:
     given = ["compare", files["arm.xml"], files["arm.toml"], "--html", 300 * "a" + ".html"]
     ended = run(*given, cwd=tmp_path)
     assert not fine(ended, given) and "File name too long" in ended.stderr, ended.stderr
@@ -104,9 +102,7 @@ def test_no_result_takes_the_place_of_an_input(
         assert ended.stdout == "" and (tmp_path / name).read_bytes() == before
 
 
-def test_the_improved_model_does_not_take_the_place_of_a_recording(
-    files: dict[str, Path], tmp_path: Path
-) -> None:
+def test_the_improved_model_takes_no_recording_s_place(files: dict[str, Path], tmp_path: Path) -> None:
     for name in ("arm.toml", "arm.csv", "arm.xml"):
         shutil.copy(files[name], tmp_path)
     given = ["improve", "arm.xml", "arm.toml", "-o", "arm.toml", "--force"]

@@ -40,7 +40,7 @@ def test_every_measure_of_a_policy_s_run(walked: Path) -> None:
     assert found["stride frequency"]["hardware"]["value"] == pytest.approx(2.65, abs=0.2)
 
 
-def test_what_a_recording_lacks_is_one_line_and_the_rest_is_made(walked: Path) -> None:
+def test_what_a_recording_lacks_is_one_line_the_rest_is_made(walked: Path) -> None:
     log = load_recording(walked / "hardware.toml")
     extra = {name: values for name, values in log.extra.items() if name != "ground_force"}
     save_recording(replace(log, extra=extra), walked / "blind.toml")

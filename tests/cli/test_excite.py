@@ -154,7 +154,7 @@ columns = {{time = "t", position = ["q"]}}
 PD = '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = [80.0]\nkd = [4.0]\nperiod_s = 0.002\n'
 
 
-def test_what_falls_without_a_loop_is_told_so_before_anything_is_shrunk(tmp_path: Path, monkeypatch) -> None:
+def test_what_falls_without_a_loop_is_told_before_shrinking(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("arm.xml").write_text(PENDULUM.format(0.3, 0.0))
     monkeypatch.setattr("workbench.frf.scale_to_limits", None)

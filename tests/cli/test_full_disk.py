@@ -78,9 +78,7 @@ def test_approve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recording: Pat
 
 
 @pytest.mark.usefixtures("improved")
-def test_what_improve_found_is_told_where_its_model_cannot_be_written(
-    tmp_path: Path, recording: Path
-) -> None:
+def test_what_improve_found_is_told_though_it_is_not_written(tmp_path: Path, recording: Path) -> None:
     with Disk(1, tmp_path) as disk:
         ended = run("improve", "leg", recording, "-o", "better.toml", "--json", "i.json", cwd=tmp_path)
     assert disk.failed and ended.returncode == 2 and "error: better.toml: " in ended.stderr

@@ -92,7 +92,7 @@ def test_a_log_that_exists_is_written_over_only_by_force(folder: Path) -> None:
         bus.communicate(timeout=30)
 
 
-def test_virtual_hardware_says_what_it_is_and_that_it_ended_by_itself(folder: Path) -> None:
+def test_virtual_hardware_says_what_it_is_and_that_it_ended(folder: Path) -> None:
     content = table(
         [motor("hip", 1), motor("knee", 2)], mechanism=[{"model": "four_bar", "axes": ["hip", "knee"]}]
     )

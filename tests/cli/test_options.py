@@ -36,7 +36,7 @@ def options(command: Any) -> set[str]:
     return {option for each in command.params for option in each.opts}
 
 
-def test_commands_with_a_result_give_it_as_json_can_be_silent_and_overwrite_only_by_force() -> None:
+def test_results_come_as_json_in_silence_and_by_force() -> None:
     found = dict(commands(typer.main.get_command(app)))
     assert set(found) > _OTHERS
     for name, command in found.items():
@@ -49,7 +49,7 @@ def run(*words: object) -> Any:
     return CliRunner().invoke(app, [str(word) for word in words])
 
 
-def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
+def test_help_of_every_command_has_an_example_and_fits() -> None:
     names = [name for name, _ in commands(typer.main.get_command(app))]
     listing = run("--help").stdout
     assert "..." not in listing.replace("[ARGS]...", "") and "Start with: workbench demo" in listing
@@ -78,9 +78,7 @@ def sdf(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("case", ["add", "import", "can load"])
-def test_json_on_standard_output_stands_there_alone_and_a_file_of_it_beside_the_text(
-    case: str, tmp_path: Path, sdf: Path
-) -> None:
+def test_json_on_standard_output_stands_there_alone(case: str, tmp_path: Path, sdf: Path) -> None:
     robot = config(tmp_path, [motor("motor", 1)]).source
     words = {
         "add": ("add", "leg", "torque_bias@hip", "torque=0.1", "--force", "-o", tmp_path / "m.toml"),
@@ -112,7 +110,7 @@ def test_json_on_standard_output_stands_there_alone_and_a_file_of_it_beside_the_
     ],
     ids=lambda words: " ".join(words[:2]),
 )
-def test_a_model_is_written_under_a_name_by_which_it_can_be_read(words, tmp_path: Path, monkeypatch) -> None:
+def test_a_model_is_written_under_a_name_that_can_be_read(words, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     done = run(*words, "-o", "better.xml")
     assert isinstance(done.exception, InputError) and "call it .toml" in str(done.exception)

@@ -32,7 +32,7 @@ class Clocked:
             self.heart.beat()
 
 
-def test_a_line_after_20_s_then_each_half_minute_and_where_it_stands_still() -> None:
+def test_a_line_after_20_s_then_each_half_minute() -> None:
     clocked = Clocked()
     clocked.wait(10)
     clocked.heart.tell("fitting a")
@@ -47,7 +47,7 @@ def test_a_line_after_20_s_then_each_half_minute_and_where_it_stands_still() -> 
     ]
 
 
-def test_what_is_quick_says_nothing_and_nothing_is_written_into_a_question() -> None:
+def test_what_is_quick_says_nothing_nor_does_a_question() -> None:
     clocked = Clocked()
     clocked.wait(19)
     with clocked.heart.hushed():
@@ -140,7 +140,7 @@ def test_quiet_or_asking_says_nothing(said: list[str], words: str, asked: bool) 
     assert words != "-q" or said == ["result"]
 
 
-def test_a_command_line_that_was_refused_says_nothing_beside_the_next() -> None:
+def test_a_command_that_was_refused_says_nothing_by_the_next() -> None:
     program = typer.Typer()
 
     @program.command()

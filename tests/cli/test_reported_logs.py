@@ -51,7 +51,7 @@ def test_units_that_no_number_tells(tmp_path: Path) -> None:
     assert "revolutions and radians" in told.stderr
 
 
-def test_a_factor_of_ten_and_parts_of_a_range_and_currents_are_asked(tmp_path: Path) -> None:
+def test_a_factor_of_ten_a_range_s_parts_and_currents_are_asked(tmp_path: Path) -> None:
     logs = report_folder("units_sure")
     ten = imported(tmp_path, logs / "tenA.csv.gz", code=2)
     assert "Velocity is 10 times the derivative of position" in ten and "velocity=0.1*rad/s" in ten

@@ -43,7 +43,7 @@ def test_from_training_to_a_recording(tmp_path: Path) -> None:
     assert done.returncode == 0 and json.loads(done.stdout)["model"] == "leg"
 
 
-def test_a_model_is_approved_once_and_then_trains_only_as_it_was_compared(tmp_path: Path) -> None:
+def test_an_approved_model_trains_only_as_it_was_compared(tmp_path: Path) -> None:
     done = run("record", "leg", "slow", "-o", "data", "--json", "-", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     [recorded] = json.loads(done.stdout)["recordings"]

@@ -119,7 +119,7 @@ def halves(recording: Recording) -> list[Recording]:
     ]
 
 
-def test_the_error_does_not_depend_on_order_or_on_where_a_recording_is_cut() -> None:
+def test_the_error_does_not_depend_on_order_or_cuts() -> None:
     wrong = having(LEG, EffectKey("viscous_damping", "hip"), damping=0.05)
     recordings = [measured(wrong, leg_experiment(s, seed=k), range(1))[0] for k, s in enumerate((0.6, 1.0))]
     whole = replay_of(LEG, recordings).with_noise(LEG, 0)
@@ -209,7 +209,7 @@ def test_an_unknown_loop_is_compared_by_inverse_dynamics() -> None:
     assert wrong.where[0].axis == "knee"
 
 
-def test_inverse_dynamics_in_joint_coordinates_is_the_same_comparison() -> None:
+def test_inverse_dynamics_in_joints_is_the_same_comparison() -> None:
     log, j = logs()[0], LEG.transmission
     back = np.linalg.inv(j).T
     joint = replace(log, coordinates="joint").with_signals(

@@ -24,7 +24,7 @@ def robot(tmp_path_factory) -> Model:
 
 
 @pytest.mark.parametrize("plates", [True, False])
-def test_a_right_model_scores_the_noise_and_a_heavier_robot_does_not(robot: Model, plates: bool) -> None:
+def test_a_right_model_scores_the_noise_a_heavier_one_does_not(robot: Model, plates: bool) -> None:
     right = compare(robot, [floating_robot.recorded(1.0, seed=1, plates=plates)])
     assert right.consistent and right.error == pytest.approx(right.noise_error, rel=0.05)
     assert right.recordings[0].recording.axes == (*floating_robot.AXES, *BASE_AXES)

@@ -135,7 +135,7 @@ def test_a_wrong_spring_is_not_excused(shaft: Model) -> None:
     assert left[0] > 0.5 * np.median(left)
 
 
-def test_the_beginning_of_a_measured_machine_is_no_worse_than_the_rest(shaft: Model, tmp_path: Path) -> None:
+def test_the_beginning_of_a_measured_machine_is_no_worse(shaft: Model, tmp_path: Path) -> None:
     """Five periods from within a measurement in its steady state: the first tenth was worst by far."""
     table = data_folder("two_mass") / "MultisineTypeB.mat"
     columns = {"time": {"column": "time", "scale": 1e-6}, "position": "theta_mx", "torque_measured": "iq_adx"}

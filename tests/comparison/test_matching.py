@@ -29,7 +29,7 @@ def test_a_right_model_tells_what_its_torque_does_not(
     assert compare(model, [log]).consistent
 
 
-def test_a_wrong_model_leaves_all_that_may_be_and_begins_with_the_nearest(tmp_path: Path) -> None:
+def test_a_wrong_model_leaves_all_and_begins_with_the_nearest(tmp_path: Path) -> None:
     machine, wrong = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", lift_armature=0.3))
     log = logged(machine, ONE_TONE, seconds=4.0, log_s=0.01, loop_s=0.002, held=False, positions_alone=True)
     ways = matched_ways(wrong, [log])

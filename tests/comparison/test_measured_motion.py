@@ -86,7 +86,7 @@ def test_recordings_of_one_call_are_replayed_alike(log: Recording) -> None:
     assert kinds == ["pd", "pd"]
 
 
-def test_a_torque_that_is_nil_throughout_is_not_held_against_the_model(tmp_path: Path) -> None:
+def test_a_torque_that_is_nil_is_not_held_against_the_model(tmp_path: Path) -> None:
     """A joint without a drive is logged with no effort and no noise: nothing is its floor."""
     leg = load_model(str(write_leg(tmp_path)))
     log = without(moved(), "torque_command", "position_reference")

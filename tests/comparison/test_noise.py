@@ -62,7 +62,7 @@ def test_rows_that_miss_ticks_of_the_loop_are_no_error(every: int) -> None:
     assert result.consistent and result.error == pytest.approx(whole.error, rel=0.1)
 
 
-def test_ticks_that_no_row_shows_do_not_raise_the_floor_of_a_measured_leg() -> None:
+def test_ticks_that_no_row_shows_do_not_raise_the_floor() -> None:
     """Rows of 5 ms, ticks of 3 ms: a right model's error and the floor beside it."""
     clean = sorted(map(str, (EXAMPLES / "clean").glob("*.toml")))
     slow = [degrade(log, every=5) for log in load_recordings(clean)]
@@ -70,7 +70,7 @@ def test_ticks_that_no_row_shows_do_not_raise_the_floor_of_a_measured_leg() -> N
     assert result.consistent and result.noise_error == pytest.approx(result.error, rel=0.16)
 
 
-def test_motion_that_passes_for_noise_in_half_of_the_recordings_is_not_the_rig_s() -> None:
+def test_motion_that_passes_for_noise_is_not_the_rig_s() -> None:
     calm = measured(LEG, leg_experiment(3.0, 0.001, LEG_LOOP), range(2))
     rough = np.random.default_rng(0).normal(0.0, 0.03, calm[0].velocity.shape)
     shaken = [log.with_signals(velocity=log.velocity + rough) for log in calm]

@@ -33,7 +33,7 @@ def _with(effect: str, **values: float) -> AppliedEffect:
     return AppliedEffect(EffectKey(effect, "knee"), {k: Estimate(v, 0.0, "") for k, v in values.items()})
 
 
-def test_the_right_model_is_at_the_noise_and_one_with_an_effect_too_many_is_not(log: Recording) -> None:
+def test_only_the_right_model_is_at_the_noise(log: Recording) -> None:
     # an effect of no size is compared along the motion; so is one that the machine has not
     idle, wrong = (MODEL.with_effect(_with("viscous_damping", damping=d)) for d in (0.0, 0.2))
     right = compare(idle, [log])

@@ -29,7 +29,7 @@ def found(leg: Model, recording: Recording) -> set[tuple[str, bool, bool]]:
     return {(turn.axis, turn.motion, turn.torque) for turn in result.turns}
 
 
-def test_a_right_log_needs_no_turn_whatever_friction_the_model_lacks(leg: Model) -> None:
+def test_a_right_log_needs_no_turn_whatever_the_friction(leg: Model) -> None:
     for friction in (0.0, 0.2, 1.0):
         assert turned_axes(leg, [moved(friction=friction)]) is None
 

@@ -30,7 +30,7 @@ def soft_notes(comparison: Comparison) -> list[str]:
 
 
 @pytest.mark.parametrize("where", ["joint", "fixed"])
-def test_a_right_file_explains_the_log_and_hears_of_its_softness(tmp_path: Path, where: str) -> None:
+def test_a_right_file_explains_the_log_and_hears_it_is_soft(tmp_path: Path, where: str) -> None:
     log = made(dry_arm(tmp_path, where, RIGID, name="machine"))
     found = compare(load_model(dry_arm(tmp_path, where)), [log])
     assert found.consistent and found.inverse_dynamics is not None

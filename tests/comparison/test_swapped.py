@@ -30,7 +30,7 @@ def test_all_columns_of_two_axes_are_exchanged(leg: Model) -> None:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 1.0])
-def test_a_right_log_is_not_swapped_whatever_friction_the_model_lacks(leg: Model, friction: float) -> None:
+def test_a_right_log_is_not_swapped_whatever_the_friction(leg: Model, friction: float) -> None:
     assert swapped_axes(leg, [moved(friction=friction)]) is None
 
 

@@ -73,7 +73,7 @@ def test_a_right_model_stays_at_the_noise_however_long_the_run(tmp_path: Path) -
     assert not any("command is compared" in note for note in rubbing.notes)
 
 
-def test_a_small_torque_along_the_swings_does_what_the_linearised_swings_say(tmp_path: Path) -> None:
+def test_a_small_torque_does_what_the_linearised_swings_say(tmp_path: Path) -> None:
     model, recording = pendulum(tmp_path), recorded(swing(0.8, duration=6.0), noise=1e-6)
     replay = Swings([recording], NoiseModel.of([recording]))
     plant, damping = compile_plant(model), 1e-3

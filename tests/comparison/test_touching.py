@@ -117,7 +117,7 @@ def test_a_foot_on_the_floor_of_a_test_stand_still_stands(tmp_path: Path, world:
     assert matched(model, [_swings(model, 0.0, 0.001)])  # the world may press on the machine all the time
 
 
-def test_other_links_that_overlap_wherever_the_machine_was_are_refused_by_name(tmp_path: Path) -> None:
+def test_links_that_always_overlap_are_refused_by_name(tmp_path: Path) -> None:
     model = _robot(tmp_path, thick=0.13)
     with pytest.raises(InputError, match=r"'base' and 'thigh'.*<exclude body1=\"base\" body2=\"thigh\"/>"):
         compare(model, [_swings(model)])

@@ -30,9 +30,7 @@ def logs(machine: Path, *, held: bool) -> list[Recording]:
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "smooth"])
 @pytest.mark.parametrize("wrong", WRONG)
-def test_the_reference_between_rows_is_told_beside_a_wrong_number(
-    tmp_path: Path, wrong: str, held: bool
-) -> None:
+def test_the_reference_between_rows_is_told_all_the_same(tmp_path: Path, wrong: str, held: bool) -> None:
     machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", **WRONG[wrong]))
     likeliest, *others = matched_ways(model, logs(machine, held=held))
     for told in likeliest:
@@ -53,9 +51,7 @@ def test_a_right_model_explains_positions_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("numbers", [{}, {"lift_damping": 1.6}], ids=["alone", "beside damping"])
-def test_drives_that_are_half_a_row_late_leave_the_reference_open(
-    tmp_path: Path, numbers: dict[str, float]
-) -> None:
+def test_drives_half_a_row_late_leave_the_reference_open(tmp_path: Path, numbers: dict[str, float]) -> None:
     """They move the reference as a constant one does, and look like wrong numbers then."""
     machine, model = bench_arm(tmp_path, "machine", **numbers), load_model(bench_arm(tmp_path))
     made = [

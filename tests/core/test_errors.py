@@ -15,7 +15,7 @@ def test_an_input_error_says_where_what_and_how() -> None:
     assert str(InputError("nothing given")) == "nothing given"
 
 
-def test_what_stands_in_a_toml_file_is_a_key_and_what_stands_in_a_table_a_column() -> None:
+def test_a_toml_file_has_keys_and_a_table_columns() -> None:
     assert (
         str(InputError("is wrong", file="a.toml", column="units.time"))
         == "a.toml, key 'units.time': is wrong"

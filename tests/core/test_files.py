@@ -90,7 +90,7 @@ def test_an_interrupt_waits_until_all_is_written(tmp_path: Path, monkeypatch: py
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_a_killed_process_leaves_one_named_folder_and_the_next_run_is_not_disturbed(tmp_path: Path) -> None:
+def test_a_killed_process_leaves_one_named_folder(tmp_path: Path) -> None:
     old = pair(tmp_path)
     script = f"""
         import os, signal
@@ -110,9 +110,7 @@ def test_a_killed_process_leaves_one_named_folder_and_the_next_run_is_not_distur
 
 @pytest.mark.parametrize("at", [0, 1, 2])
 @pytest.mark.parametrize("next_one", ["reads", "writes", "writes another"])
-def test_killed_between_two_renames_the_pair_is_completed_by_the_next(
-    at: int, next_one: str, tmp_path: Path
-) -> None:
+def test_killed_between_two_renames_the_next_completes_them(at: int, next_one: str, tmp_path: Path) -> None:
     old = pair(tmp_path)
     script = f"""
         import os, signal

@@ -13,7 +13,7 @@ def test_the_folder_holds_models_trees_and_closed_chains() -> None:
     assert closed_chain_file("leg") == folder / "closed_chain" / "leg.sdf"
 
 
-def test_an_unknown_closed_chain_is_answered_with_the_known_ones() -> None:
+def test_an_unknown_chain_is_answered_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"arm\.sdf: no such closed chain is shipped; choose one of .*leg"):
         closed_chain_file("arm")
 

@@ -86,9 +86,7 @@ def test_an_edit_changes_that_attribute_alone(raw: bytes, data: st.DataObject) -
 
 
 @given(documents(), st.data())
-def test_a_new_element_comes_behind_that_one_and_nothing_else_changes(
-    raw: bytes, data: st.DataObject
-) -> None:
+def test_a_new_element_comes_behind_and_nothing_else_changes(raw: bytes, data: st.DataObject) -> None:
     text = XmlText(raw)
     if len(text.elements) == 1:
         return

@@ -65,7 +65,7 @@ def drives(tmp_path: Path):
     return Drives(config, wire, robot.host.feedback, 0.009), wire, robot
 
 
-def test_a_thread_damps_while_a_policy_is_stuck_and_lets_go_when_it_answers(drives) -> None:
+def test_a_thread_damps_while_a_policy_is_stuck(drives) -> None:
     drives, wire, robot = drives
     frames = drives.encode(damping(robot.host._limits, robot.host.state.position))
     deadman = Deadman(drives, TICK, 3 * TICK, lambda seconds: seconds)
@@ -86,7 +86,7 @@ def test_a_thread_damps_while_a_policy_is_stuck_and_lets_go_when_it_answers(driv
     assert all(isinstance(s, Setpoint) and s.kp == 0 and s.kd > 0.9 and abs(s.torque) < 0.01 for s in asked)
 
 
-def test_a_policy_that_never_answers_ends_damped_disabled_and_with_an_exit_code(drives, capsys) -> None:
+def test_a_policy_that_never_answers_ends_with_an_exit_code(drives, capsys) -> None:
     drives, wire, robot = drives
     frames, ended = drives.encode(damping(robot.host._limits, robot.host.state.position)), threading.Event()
     codes: list[int] = []

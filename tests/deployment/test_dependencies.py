@@ -17,7 +17,7 @@ from tests.deployment.test_light import ABSENT, light
 from tests.test_packaging import DISTRIBUTIONS
 
 
-def test_all_that_comes_with_the_runner_is_pinned_as_it_was_tested() -> None:
+def test_all_that_comes_with_the_runner_is_pinned() -> None:
     lines = [line for lock in ROOT.glob("requirements*.lock") for line in lock.read_text().splitlines()]
     pins = {plain(name): version for name, _, version in (line.partition("==") for line in lines) if version}
     assert {name: found.version for name, found in closure(EXTRA).items()} == {
@@ -76,7 +76,7 @@ def test_a_wheel_of_another_machine_or_python_is_none(tags: str, python: str, fi
     assert runs(tags, python) is fits
 
 
-def test_what_the_runner_imports_only_when_it_needs_it_is_there_too() -> None:
+def test_what_the_runner_imports_only_when_needed_is_there() -> None:
     code = """
 import workbench.deployment.deploy, workbench.cli.deploy, workbench.bundle, workbench.can
 print("\\n".join(m.__file__ for n, m in sys.modules.items() if n.startswith("workbench") and m))

@@ -79,7 +79,7 @@ def test_a_robot_at_rest_is_not_frozen(tmp_path: Path, pd: str) -> None:
     assert pd == "host" or (np.ptp(tail, axis=0) == 0.0).any(), "some do say the same for a second"
 
 
-def test_a_drive_that_freezes_at_rest_is_found_when_it_is_told_something_else(tmp_path: Path) -> None:
+def test_a_drive_that_freezes_at_rest_is_found_once_told_more(tmp_path: Path) -> None:
     robot = still(tmp_path, kp=40.0)
     robot.run(2.0)
     freeze(robot, {2})
@@ -103,7 +103,7 @@ def run(torques, reported, velocity=(0.0, 0.0)):
     return state
 
 
-def test_at_a_hard_stop_a_drive_that_follows_is_fine_and_one_that_does_not_is_frozen() -> None:
+def test_at_a_hard_stop_only_a_drive_that_ignores_it_is_frozen() -> None:
     swing = [(3.0 * np.sin(0.2 * k), 0.0) for k in range(200)]
     assert run(swing, lambda sent: sent[-2]).phase == "run"
     assert run(swing, lambda sent: (0.0, 0.0)).fault == "feedback is frozen"
@@ -165,7 +165,7 @@ def test_more_than_a_quarter_of_its_limit_a_drive_need_not_make() -> None:
 
 
 @pytest.mark.parametrize(("kd", "phase"), [(5.0, "run"), (0.0, "damp")])
-def test_what_a_drive_s_own_damping_may_have_added_is_no_contradiction(kd: float, phase: str) -> None:
+def test_what_a_drive_s_own_damping_adds_is_no_contradiction(kd: float, phase: str) -> None:
     state, now = running()
     for k in range(100):
         now += TICK

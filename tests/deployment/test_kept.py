@@ -29,7 +29,7 @@ def test_a_run_goes_on_and_is_not_kept(alone: Path) -> None:
     assert "does not answer" in str(done.exception) and set(alone.parent.iterdir()) == there
 
 
-def test_a_folder_that_was_asked_for_is_refused_before_it_is_made(alone: Path) -> None:
+def test_a_folder_that_was_asked_for_is_refused_unmade(alone: Path) -> None:
     done = CliRunner().invoke(app, ["deploy", "tracker", str(alone), "--yes", "-o", "kept"])
     assert isinstance(done.exception, InputError) and "serves one process" in str(done.exception)
     assert not (alone.parent / "kept").exists()

@@ -118,7 +118,7 @@ def test_a_transmission_that_is_none_is_refused(tmp_path: Path, more: dict, said
         config(tmp_path, motors, mechanism=[{"axes": ["hip", "knee"], **more}])
 
 
-def test_the_extra_names_what_the_runner_imports_and_nothing_that_is_absent_there() -> None:
+def test_the_extra_names_what_the_runner_imports() -> None:
     extra = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]["deploy"]
     named = {re.split(r"[\[<>=]", each)[0] for each in extra}
     code = """

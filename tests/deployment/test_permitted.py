@@ -117,7 +117,7 @@ def mit(folder: Path, protocol: str = "mit", **more: object):
     return load_config(written(folder, table(motors)))
 
 
-def test_an_odrive_tells_its_watchdog_where_its_endpoints_are_known(tmp_path: Path) -> None:
+def test_an_odrive_tells_its_watchdog_where_endpoints_are_known(tmp_path: Path) -> None:
     ends = {"watchdog_timeout": 481, "enable_watchdog": 482}
     known = mit(tmp_path, "odrive", endpoints=ends)
     assert not permitted(known, None, dry=False, unapproved=False, tested=False)[1]
@@ -125,9 +125,7 @@ def test_an_odrive_tells_its_watchdog_where_its_endpoints_are_known(tmp_path: Pa
 
 
 @pytest.mark.parametrize("protocol", ["mit", "odrive"])
-def test_a_watchdog_that_nobody_can_read_or_has_seen_leaves_a_tenth_of_the_torque(
-    tmp_path: Path, protocol: str
-) -> None:
+def test_a_watchdog_that_nobody_reads_leaves_a_tenth_of_torque(tmp_path: Path, protocol: str) -> None:
     config = mit(tmp_path, protocol)
     limits, [line] = permitted(config, None, dry=False, unapproved=False, tested=False)
     assert limits.torque == pytest.approx([2.4, 24.0]) and "for hip: no watchdog can be read" in line

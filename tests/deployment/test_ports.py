@@ -144,7 +144,7 @@ def test_flexible_frames_and_questions_on_every_interface(
         drive.close()
 
 
-def test_a_frame_of_another_is_not_taken_for_one_of_ours_that_was_lost(tmp_path: Path) -> None:
+def test_a_frame_of_another_is_not_one_of_ours_that_was_lost(tmp_path: Path) -> None:
     in_this_kernel("udp_multicast")
     config = on("udp_multicast", GROUP, tmp_path)
     host, drive = PortNetwork(config), PortNetwork(config)

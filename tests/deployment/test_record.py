@@ -150,7 +150,7 @@ def test_what_a_loop_sent_that_was_held_up_is_masked(
     assert off.max() < (0.02 if make is actuator else 0.6), "what was sent is what was to be played"
 
 
-def test_what_broke_off_within_its_first_period_is_a_recording_without_one(tmp_path: Path) -> None:
+def test_what_broke_off_in_its_first_period_has_none(tmp_path: Path) -> None:
     played, loaded = design(), actuator(tmp_path, polls=1)
     frames, spec = played_by(loaded, played)
     whole = recording(loaded, frames, spec)
@@ -175,7 +175,7 @@ def test_a_log_without_the_axis_is_refused(tmp_path: Path) -> None:
         recording(actuator(tmp_path), read_candump(path), played)
 
 
-def test_a_live_experiment_is_recorded_and_one_that_was_killed_is_not_lost(tmp_path: Path) -> None:
+def test_a_live_experiment_is_recorded_and_a_killed_one_kept(tmp_path: Path) -> None:
     content = table([motor("motor", 1, limits=FREE, ranges=RANGES)], bench={"time_scale": 8.0},
                     loop={"soft_start_s": 0.1, "kp": 0.0, "kd": 0.0})  # fmt: skip
     content["bus"][0]["channel"] = str(tmp_path / "can0")

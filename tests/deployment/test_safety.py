@@ -165,7 +165,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("carried", [0.3, 1.0, 3.0, math.nan])
-def test_a_base_that_something_carries_or_nobody_knows_of_is_no_fall(carried: float) -> None:
+def test_a_base_that_is_carried_or_unknown_is_no_fall(carried: float) -> None:
     state, now = running()
     state, _ = step(LIMITS, state, seen(now + TICK, carried=carried), wanted())
     assert state.phase == "run" and state.fault is None
@@ -194,7 +194,7 @@ def test_a_fault_damps_at_once_and_latches(fault: dict) -> None:
         wanted(age=0.037), wanted(age=math.nan), None,
     ],
 )  # fmt: skip
-def test_an_action_that_no_working_policy_gives_damps_in_the_same_tick(wish) -> None:
+def test_an_action_that_no_policy_gives_damps_in_the_same_tick(wish) -> None:
     state, now = running()
     state, out = step(LIMITS, state, seen(now + TICK), wish)
     assert state.phase == "damp" and not out.torque.any() and not out.kp.any()
@@ -219,7 +219,7 @@ def test_start_is_soft_and_begins_where_the_axis_is() -> None:
     assert state.phase == "run" and np.diff(most).max() < 0.3 and most[-1] == pytest.approx(8.0)
 
 
-def test_nothing_moves_before_drives_are_verified_or_while_stopped() -> None:
+def test_nothing_moves_before_drives_are_verified() -> None:
     for more in ({"verified": False}, {"stop": True}):
         state, out = step(LIMITS, initial(2), seen(TICK, **more), wanted())
         assert state.phase == "off" and not (out.kp.any() or out.kd.any() or out.torque.any())

@@ -92,7 +92,7 @@ def test_the_drives_close_loops_of_their_own(tmp_path: Path) -> None:
     assert not wanted.setpoints.velocity.any()
 
 
-def test_references_are_held_to_the_joints_limits_and_insane_ones_are_told(tmp_path: Path) -> None:
+def test_references_are_held_to_limits_and_insane_ones_told(tmp_path: Path) -> None:
     for reference, expected in (((2.0, 0.1), (1.6, 0.35)), ((1e3, 0.8), None), ((np.nan, 0.8), None)):
         wish, _, feedback = wishes(tmp_path, target(reference), pd="drive")
         wanted, _ = wish.ask(10.0, state("run"), feedback)

@@ -49,9 +49,7 @@ def test_nothing_is_named_at_the_limit_of_what_can_be(
         (24.0, True, True),
     ],
 )
-def test_a_wave_beside_a_spring_needs_a_way_on_which_no_smooth_curve_has_its_shape(
-    order: float, spring: bool, possible: bool
-) -> None:
+def test_a_wave_beside_a_spring_needs_a_way_no_curve_has(order: float, spring: bool, possible: bool) -> None:
     model = load_model("leg")
     wave = {
         "torque": Estimate(0.2, 0.0, ""),

@@ -37,7 +37,7 @@ def heavier(folder: Path, mass: str, instead: str) -> Model:
     return replace(MODEL, closed_chain=replace(MODEL.closed_chain, file=file))
 
 
-def test_a_payload_beside_damping_is_found_and_goes_into_the_model() -> None:
+def test_a_payload_beside_damping_goes_into_the_model() -> None:
     hidden = (
         HiddenIn("payload_mass", None, "actuator", {"mass": 0.2}),
         HiddenIn("viscous_damping", "crank", "actuator", {"damping": 0.1}),
@@ -66,7 +66,7 @@ def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> No
     assert found.mend == ()
 
 
-def test_a_torque_bias_is_said_to_be_perhaps_a_weight_that_is_not_looked_for(tmp_path: Path) -> None:
+def test_a_torque_bias_is_said_to_be_perhaps_a_weight(tmp_path: Path) -> None:
     found = improve(MODEL, runs(heavier(tmp_path, "0.065", "0.165")))[0].diagnosis
     assert found is not None and [f.key.effect for f in found.findings] == ["torque_bias"]
     assert any("may instead come from a crank or rod" in n for n in found.notes)

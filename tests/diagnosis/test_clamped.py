@@ -19,7 +19,7 @@ def clamped(recording: Recording) -> Recording:
     return recording.with_signals(torque_command=np.clip(recording.signals["torque_command"], -LIMIT, LIMIT))
 
 
-def test_a_command_that_was_logged_behind_its_limit_shows_the_limit(tmp_path: Path) -> None:
+def test_a_command_logged_behind_its_limit_shows_the_limit(tmp_path: Path) -> None:
     runs = [
         clamped(pushed(tmp_path, wandering(k), (20.0, 0.5), limit=LIMIT, seed=k, name=f"r{k}"))
         for k in range(3)

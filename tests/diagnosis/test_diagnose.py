@@ -209,7 +209,7 @@ def test_a_held_out_recording_that_shows_nothing_does_not_judge() -> None:
     assert any("in turn" in line for line in found.findings[0].evidence)
 
 
-def test_a_limit_that_held_out_motion_never_reaches_is_found_beside_what_it_shows() -> None:
+def test_a_limit_that_held_out_motion_never_reaches_is_found() -> None:
     hidden = (
         HiddenEffect("torque_saturation", "knee", parameters={"limit": 4.2}),
         HiddenEffect("encoder_offset", "hip", parameters={"angle": 0.06}),

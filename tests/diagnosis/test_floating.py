@@ -18,7 +18,7 @@ def robot(tmp_path_factory) -> Model:
     return load_model(folder / "robot.toml")
 
 
-def test_the_friction_of_one_drive_is_found_without_force_plates(robot: Model) -> None:
+def test_the_friction_of_one_drive_is_found_without_plates(robot: Model) -> None:
     torque = tuple(0.6 if axis == "rl_knee" else 0.0 for axis in floating_robot.AXES)
     found = diagnose(robot, [floating_robot.recorded(1.0, seed=1, coulomb=torque, plates=False)])
     assert found.verdict == "missing_effect"

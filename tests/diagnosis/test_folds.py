@@ -40,7 +40,7 @@ def test_long_recordings_are_judged_in_pieces(lengths: list[int], pieces: list[i
         np.testing.assert_array_equal(rows, np.arange(n))
 
 
-def test_pieces_of_a_motion_that_repeats_itself_are_no_copies_of_each_other() -> None:
+def test_pieces_of_a_motion_that_repeats_are_no_copies() -> None:
     data = replace(made([100, 90], 2), motion_periods=(20, None))
     pieces = [f for f in data.phase_folds if f.recording == 0]
     phases = [set(np.arange(100)[f.rows] % 20) for f in pieces]

@@ -41,7 +41,7 @@ def test_a_contact_that_the_model_has_wrong_is_found(effect: str, values: dict[s
         assert abs(estimate.value - value) < 3.0 * estimate.std < 0.2 * value
 
 
-def test_nothing_is_found_where_nothing_is_hidden_and_no_slip_tells_no_friction() -> None:
+def test_nothing_hidden_is_nothing_found_and_no_slip_is_silent() -> None:
     found = diagnose(MODEL, recorded(plate=Plate(), names=("press",)))
     assert found.verdict == "consistent" and not found.findings
     assert EffectKey("ground_friction", None) in found.not_excited

@@ -42,7 +42,7 @@ def _wheel(folder: Path, mean: float, damping: tuple[float, float], seconds: flo
     return list(load_recordings([folder / f"r{k}.toml" for k in range(2)]))
 
 
-def test_a_number_is_found_over_more_turns_than_a_ripple_is_looked_for_on(tmp_path: Path) -> None:
+def test_a_number_is_found_over_more_turns_than_a_ripple_needs(tmp_path: Path) -> None:
     recordings = _wheel(tmp_path, 80.0, (0.05, 0.02), 6.0)
     assert np.ptp(recordings[0].position) > 2.0 * np.pi * 1100
     (found,) = diagnose(load_model(str(tmp_path / "wheel.xml")), recordings).findings

@@ -62,7 +62,7 @@ def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch
     )
 
 
-def test_a_number_of_a_toml_leads_to_its_line_and_a_missing_effect_to_none() -> None:
+def test_a_number_of_a_toml_leads_to_its_line() -> None:
     model = load_model("leg")
     k, drive = 1, model.axes[1]
     old = model.actuators.inertia[k]

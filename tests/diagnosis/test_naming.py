@@ -71,9 +71,7 @@ def test_a_line_that_does_not_fall_is_a_limit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("limits", [{"limit": 0.5}, {"stall": 0.6, "fastest": 15.0}])
-def test_a_line_that_explains_as_much_is_named_beside_if_it_falls(
-    tmp_path: Path, limits: dict[str, float]
-) -> None:
+def test_a_line_that_explains_as_much_is_named_if_it_falls(tmp_path: Path, limits: dict[str, float]) -> None:
     runs = [stepped(tmp_path, seed, **limits) for seed in range(2)]
     if "stall" in limits:  # else the channel would have settled it
         runs = [positions_of(r) for r in runs]

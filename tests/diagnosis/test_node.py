@@ -20,7 +20,7 @@ LEG = load_model("leg")
 SOFT = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 91.0, "damping": 0.12})
 
 
-def test_where_a_search_comes_back_to_nothing_is_worked_out_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_a_search_comes_back_to_nothing_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
     training, _ = recordings(SOFT)
     problem = asked(LEG, training[:1])
     tried = [

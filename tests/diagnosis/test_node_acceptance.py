@@ -73,7 +73,7 @@ def test_bold_starts_have_to_explain_more(share: float, bold: bool, jointly: boo
     assert standing(leaving(share, bold=bold, jointly=jointly), lacking()[0]) == level
 
 
-def test_certain_effects_say_more_than_what_explains_more_and_may_not_be_named() -> None:
+def test_certain_effects_say_more_than_what_is_not_named() -> None:
     """As an effect whose size may be none may not."""
     problem, node = lacking()[0], leaving(0.03)
     (one,) = node.current.hypothesis.free
@@ -105,7 +105,7 @@ def test_less_error_or_fewer_parameters(child: object, best: tuple[float, int], 
     assert accepts(new, old, problem) is taken
 
 
-def test_what_a_move_found_to_do_as_well_is_taken_unless_it_has_more_parameters() -> None:
+def test_what_does_as_well_is_taken_unless_it_has_more_numbers() -> None:
     problem = lacking()[0]
     assert accepts(leaving(0.041, 2, as_good=True), leaving(0.04, 2), problem)
     assert not accepts(leaving(0.041, 3, as_good=True), leaving(0.04, 2), problem)
@@ -121,14 +121,14 @@ def test_of_two_at_the_noise_the_one_with_fewer_parameters() -> None:
     assert not accepts(together, node, problem)
 
 
-def test_the_first_effects_are_taken_where_nothing_was_and_a_bold_guess_is_not() -> None:
+def test_first_effects_are_taken_and_a_bold_guess_is_not() -> None:
     problem = lacking()[0]
     root = Node(problem.start, problem.data)
     assert accepts(leaving(0.6), root, problem)
     assert not accepts(leaving(0.6, bold=True), root, problem)
 
 
-def test_what_adds_effects_to_one_whose_runs_diverge_is_no_better() -> None:
+def test_what_adds_to_one_whose_runs_diverge_is_no_better() -> None:
     problem, gap = lacking()[0], EffectKey("backlash", "hip")
     spring = applied(LEG, EffectKey("parallel_spring", "knee"), stiffness=5.0, rest=0.0)
 

@@ -32,7 +32,7 @@ def test_it_is_of_what_stands_above_the_noise() -> None:
     assert [k for k, _ in shares] == [other, one] and [s for _, s in shares] == pytest.approx([0.75, 0.25])
 
 
-def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
+def test_a_step_its_ranking_and_evidence_have_the_same_share() -> None:
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.02})
     problem = asked(load_model("leg"), *recordings(hidden))
     screened = screen(problem.linearisation, problem.data)
@@ -59,9 +59,7 @@ def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
         (0.0454, 0.044, "not informative enough: their error was 1.03 times the noise"),
     ],
 )
-def test_held_out_recordings_have_the_share_of_the_errors_beside_it(
-    before: float, after: float, said: str
-) -> None:
+def test_held_out_recordings_have_the_share_beside_it(before: float, after: float, said: str) -> None:
     line = HeldOutFall(before, after, 0.044).line
     assert said in line and "held-out recordings" in line
 

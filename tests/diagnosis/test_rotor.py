@@ -42,13 +42,13 @@ def test_a_constant_torque_is_no_spring_that_rests_far_away(tmp_path: Path) -> N
     assert [f.key.effect for f in found.findings] == ["torque_bias"]
 
 
-def test_of_pairs_that_explain_all_the_one_with_fewest_parameters_is_named(tmp_path: Path) -> None:
+def test_of_pairs_that_explain_all_the_fewest_numbers_win(tmp_path: Path) -> None:
     # less gain is more inertia and weight: a payload, with friction that leans to one side, looks the same
     found = diagnosed(tmp_path, gain=0.88, friction=lambda w: 0.02)
     assert {f.key.effect for f in found.findings} == {"torque_constant_error", "coulomb_friction"}
 
 
-def test_friction_of_slow_motion_that_held_out_motion_never_shows(tmp_path: Path) -> None:
+def test_friction_of_slow_motion_that_held_out_never_shows(tmp_path: Path) -> None:
     def friction(w: float) -> float:
         return 0.02 + 0.03 * float(np.exp(-((w / 0.2) ** 2)))
 
@@ -77,7 +77,7 @@ def test_a_loop_far_beyond_its_limit_is_no_riddle(tmp_path: Path) -> None:
     assert found.findings[0].parameters["limit"].value == pytest.approx(0.5, rel=0.01)
 
 
-def test_friction_that_falls_through_what_the_model_states_is_one_law(tmp_path: Path) -> None:
+def test_friction_that_falls_through_the_stated_is_one_law(tmp_path: Path) -> None:
     """Who fits a constant to it states something between standstill and motion."""
     found = diagnosed(tmp_path, 0.045, friction=lambda w: 0.03 + 0.04 * np.exp(-((w / 1.5) ** 2)))
     (finding,) = found.findings
@@ -86,7 +86,7 @@ def test_friction_that_falls_through_what_the_model_states_is_one_law(tmp_path: 
     assert finding.parameters["static"].value == pytest.approx(0.025, abs=0.004)
 
 
-def test_a_constant_torque_beside_friction_is_friction_of_two_sizes(tmp_path: Path) -> None:
+def test_a_constant_torque_by_friction_is_friction_of_two_sizes(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, 0.03, friction=lambda w: 0.03, bias=-0.05)
     (finding,) = found.findings
     assert finding.key.effect == "torque_bias"

@@ -13,7 +13,7 @@ from workbench.diagnosis import diagnose
 from workbench.recordings import load_recording, save_recording
 
 
-def test_below_the_noise_the_loop_that_needs_fewer_effects_is_taken(tmp_path: Path) -> None:
+def test_below_the_noise_the_loop_with_fewer_effects_is_taken(tmp_path: Path) -> None:
     """A speed by differences lags half a tick behind a sensor's, and half a tick of damping is a mass."""
     (case,) = [c for c in field_cases("cart", 7) if "positions_alone-1" in c.name]
     assert case.field is not None

@@ -41,7 +41,7 @@ def test_last_effects_that_may_be_none_are_taken_back() -> None:
     assert without_insignificant_end(alone, problem) is alone, "what stands out stays as it was"
 
 
-def test_what_is_certain_stays_so_without_a_last_effect_that_may_be_none() -> None:
+def test_what_is_certain_stays_so_without_a_last_effect() -> None:
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
     problem = asked(LEG, *recordings(hidden))
     whole = node_with(problem, applied(LEG, FRICTION, torque=0.19), applied(LEG, RIPPLE, **NOISE))
@@ -50,7 +50,7 @@ def test_what_is_certain_stays_so_without_a_last_effect_that_may_be_none() -> No
     assert kept.keys == {FRICTION} == kept.adequacy.keys() and kept.jointly
 
 
-def test_a_bold_start_grows_no_further_from_where_another_has_been() -> None:
+def test_a_bold_start_grows_no_further_where_another_was() -> None:
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
     told: list[str] = []
     problem = replace(asked(LEG, *recordings(hidden)), progress=told.append)
@@ -79,7 +79,7 @@ def test_what_may_be_none_once_all_causes_are_there_is_left_out() -> None:
     assert simplify.without(last, doubtful, data) is None
 
 
-def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() -> None:
+def test_what_shrank_once_its_true_cause_came_is_left_out() -> None:
     leg, friction, damping = LEG, FRICTION, DAMPING
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
     problem = asked(leg, recordings(hidden)[0])

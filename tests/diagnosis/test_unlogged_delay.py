@@ -51,7 +51,7 @@ def test_a_delay_beside_a_gain_that_is_not_the_stated_one(tmp_path: Path) -> Non
     assert named["controller_gain_error@m"]["kd_scale"] == pytest.approx(0.35, abs=0.02)
 
 
-def test_a_delay_moves_what_the_loop_asks_for_and_not_the_noise_of_the_torque(tmp_path: Path) -> None:
+def test_a_delay_moves_what_is_asked_and_not_the_torque_noise(tmp_path: Path) -> None:
     recording = run(tmp_path, (20.0, 0.5), 0, late=2)
     model, more = load_model(str(tmp_path / "rotor.xml")), 2e-5
 

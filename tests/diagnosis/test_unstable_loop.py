@@ -56,7 +56,7 @@ def turned(seed: int, seconds: float = 40.0, sign: float = 1.0) -> Recording:
     return Recording(f"turned {seed}", ("w",), "actuator", t, signals, ("rad",), controller=loop)
 
 
-def test_what_keeps_a_loop_stable_is_found_where_the_model_cannot_run_in_it(wrist: Model) -> None:
+def test_what_keeps_a_loop_stable_is_found_without_the_loop(wrist: Model) -> None:
     logs, judging = [turned(1), turned(2)], turned(3)
     with pytest.raises(SimulationError, match="unstable"):
         wb.compare(wrist, logs)

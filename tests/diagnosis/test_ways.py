@@ -11,7 +11,7 @@ from workbench.diagnosis import diagnose
 from workbench.effects import load_model
 
 
-def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path) -> None:
+def test_a_loop_in_which_nothing_explains_is_not_searched(tmp_path: Path) -> None:
     """It took minutes each, where a payload, wrong centres or rotors explain the log in another."""
     machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", fore_centre=0.07))
     logs = [
@@ -27,7 +27,7 @@ def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path
     assert ways > 1 and len(again) < ways - 1, said
 
 
-def test_a_noisy_speed_that_was_not_logged_leaves_the_simpler_loop(tmp_path: Path) -> None:
+def test_a_noisy_speed_that_was_not_logged_leaves_the_simpler(tmp_path: Path) -> None:
     """Two wrong rotors hide which loop it was; by differences of positions a third one would be wrong."""
     machine = bench_arm(tmp_path)
     model = load_model(bench_arm(tmp_path, "model", bend_armature=0.09, lift_armature=0.12))
@@ -50,7 +50,7 @@ def test_a_noisy_speed_that_was_not_logged_leaves_the_simpler_loop(tmp_path: Pat
     assert not any("another assumption about the loop" in text for text in said)
 
 
-def test_a_delay_is_found_under_the_right_assumption_about_the_loop(tmp_path: Path) -> None:
+def test_a_delay_is_found_under_the_right_loop(tmp_path: Path) -> None:
     """It is no torque along the motion: what the torque shows would have another loop, and more effects."""
     logs = [
         logged(

@@ -120,7 +120,7 @@ def words_of(kind: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def test_what_no_test_runs_names_commands_and_options_that_exist() -> None:
+def test_what_no_test_runs_names_commands_that_exist() -> None:
     checked = 0
     for page, (program, *words) in words_of("sh"):
         if program == "python":

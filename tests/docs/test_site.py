@@ -111,7 +111,7 @@ _COPY = "[...document.querySelectorAll('[data-copy]')].map((e) => e.dataset.copy
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
-def test_from_disk_copy_takes_commands_and_the_console_stays_empty(site: Path, tmp_path: Path) -> None:
+def test_from_disk_copy_takes_commands_and_nothing_complains(site: Path, tmp_path: Path) -> None:
     with Chrome(tmp_path) as chrome:
         for page in ("tutorial", "index", "effects", "effects/coulomb_friction"):
             chrome.open((site / f"{page}.html").as_uri())

@@ -50,7 +50,7 @@ def test_a_value_that_no_body_can_have_is_refused(effect, parameter) -> None:
 
 
 @pytest.mark.parametrize("words", ["damping=-1", "damping=nan", "damping=inf", "damping=much", "dampening=1"])
-def test_the_command_line_refuses_in_one_line_and_writes_nothing(words: str, tmp_path: Path) -> None:
+def test_the_command_refuses_in_one_line_and_writes_nothing(words: str, tmp_path: Path) -> None:
     ended = run("add", "leg", "joint_compliance@knee", "stiffness=100", words, "-o", "new.toml", cwd=tmp_path)
     assert ended.returncode == 2 and ended.stderr.startswith("error: ") and not list(tmp_path.iterdir())
 
@@ -64,7 +64,7 @@ def test_a_file_refuses_as_well(tmp_path: Path) -> None:
         load_model(str(file))
 
 
-def test_a_spring_may_rest_on_the_other_side_and_friction_lie_below_what_is_stated(tmp_path: Path) -> None:
+def test_a_spring_may_rest_elsewhere_and_friction_lie_below(tmp_path: Path) -> None:
     added = run(
         "add", "leg", "parallel_spring@knee", "stiffness=1", "rest=-0.4", "-o", "new.toml", cwd=tmp_path
     )

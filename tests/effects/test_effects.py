@@ -102,7 +102,7 @@ def test_the_simulation_obeys_the_equation(case: Case) -> None:
 
 
 @every_place
-def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case, tmp_path: Path) -> None:
+def test_every_parameter_matters_and_what_is_written_is_alike(case: Case, tmp_path: Path) -> None:
     write_model(case.added, tmp_path / "written.toml")
     models = [load_model(tmp_path / "written.toml")]
     # without gravity, and with the same inertia everywhere, nothing tells where a sensor's zero is
@@ -187,7 +187,7 @@ def test_units_follow_the_axis() -> None:
 
 
 @every_place
-def test_at_any_corner_of_its_bounds_an_effect_builds_or_says_why_not(case: Case) -> None:
+def test_at_any_corner_of_its_bounds_it_builds_or_says_why_not(case: Case) -> None:
     base, place = load_model(case.model), Placement.of(load_model(case.model), case.key)
     values, shape = case.effect.parameters.to_coefficients(dict(case.values))
     lower, upper = case.effect.parameters.bounds(base, place, shape)

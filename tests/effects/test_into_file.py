@@ -214,7 +214,7 @@ COUPLED = """<mujoco><worldbody><body><joint name="a" axis="0 1 0"/><geom size="
 </tendon><actuator><motor name="m1" tendon="m1"/><motor name="m2" tendon="belt"/></actuator></mujoco>"""
 
 
-def test_what_a_drive_of_two_joints_has_too_much_of_is_taken_off_its_tendon(tmp_path: Path) -> None:
+def test_too_much_at_a_drive_of_two_joints_comes_off_its_tendon(tmp_path: Path) -> None:
     file = tmp_path / "leg.xml"
     file.write_text(COUPLED)
     less = ("reflected_inertia@m2", {"inertia": -0.004}), ("viscous_damping@m2", {"damping": -0.1})

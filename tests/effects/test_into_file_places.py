@@ -36,7 +36,7 @@ def test_a_drive_with_a_ratio_gives_its_joint_the_square(tmp_path: Path) -> None
     )
 
 
-def test_a_motor_that_turns_two_joints_has_no_number_in_the_file(tmp_path: Path) -> None:
+def test_a_motor_of_two_joints_has_no_number_in_the_file(tmp_path: Path) -> None:
     bench_arm(tmp_path)
     table = tmp_path / "belt.toml"
     table.write_text(

@@ -43,7 +43,7 @@ def test_only_a_length_of_a_link_moves_a_foot() -> None:
         assert kinds.changes_foot_position(effect_named(key.effect)) == (moved > 1e-6), key
 
 
-def test_delays_of_the_whole_machine_are_alike_without_measured_torque() -> None:
+def test_delays_of_the_machine_are_alike_without_torque() -> None:
     alike = {e.name: kinds.late_alike(e, EFFECTS) for e in EFFECTS}
     assert alike.pop("command_delay") == ("sensor_delay",)
     assert alike.pop("sensor_delay") == ("command_delay",)

@@ -14,7 +14,7 @@ from workbench.core import EffectKey, InputError
 from workbench.effects import check_effect, compile_plant, load_model, places
 
 
-def test_in_a_tree_with_branches_only_what_hangs_on_the_link_moves(tmp_path) -> None:
+def test_in_a_tree_with_branches_only_what_hangs_there_moves(tmp_path) -> None:
     floating_robot.write_robot(tmp_path)
     robot = load_model(tmp_path / "robot.toml")
     key = EffectKey("link_length_error", "fl_hip")

@@ -64,7 +64,7 @@ def assert_column_is_the_change(
 @pytest.mark.parametrize("axis", AXES[1:])
 @pytest.mark.parametrize("off", [0.0, 0.05])
 @pytest.mark.parametrize("form", [1, 2])
-def test_the_column_of_a_mass_is_the_change_of_the_torque_that_is_needed(
+def test_the_column_of_a_mass_is_the_change_of_the_torque(
     tmp_path: Path, axis: str, off: float, form: int
 ) -> None:
     """With the link's inertia as it was, and with the inertia in proportion."""
@@ -86,7 +86,7 @@ def test_all_inertia_of_a_link_in_proportion(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.sort(after), 1.5 * np.sort(before))
 
 
-def test_inertia_in_proportion_is_not_asked_where_the_file_states_no_rotor(tmp_path: Path) -> None:
+def test_inertia_in_proportion_is_not_asked_without_a_rotor(tmp_path: Path) -> None:
     """Several rotors that are missing do nearly the same, and a file without any lacks them."""
     model = load_model(bench_arm(tmp_path, bend_armature=0.0))
     assert forms(model, "link_inertia_error", "bend")[1] == [{}]
@@ -200,7 +200,7 @@ def test_a_slide_that_is_lifted_has_a_mass_of_its_own(tmp_path: Path) -> None:
     assert EffectKey("first_moment_error", "x") in places(load_model(file))
 
 
-def test_the_column_of_a_sliding_mass_is_the_change_of_the_torque_that_is_needed(tmp_path: Path) -> None:
+def test_the_column_of_a_sliding_mass_is_the_torque_s_change(tmp_path: Path) -> None:
     model = gantry(tmp_path, axis="0.6 0 0.8")
     time = np.arange(0.0, 2.0, 0.002)
     position = np.stack([0.1 * np.sin(k * time + k) for k in (3.0, 5.0, 4.0)], axis=1)

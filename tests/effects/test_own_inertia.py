@@ -52,7 +52,7 @@ def test_no_more_than_the_rotor_can_be_missing(arm: Model) -> None:
 
 
 @pytest.mark.parametrize("more", [-0.018, 0.0, 0.004])
-def test_the_link_behind_a_rotor_is_the_same_whatever_was_found_of_the_rotor(arm: Model, more: float) -> None:
+def test_the_link_behind_a_rotor_does_not_hang_on_the_rotor(arm: Model, more: float) -> None:
     found = with_effect(arm, "reflected_inertia", inertia=more)
     time = 0.01 * np.arange(50)
     still = {"position": np.zeros((50, 1)), "torque_command": np.zeros((50, 1))}
@@ -64,7 +64,7 @@ def test_the_link_behind_a_rotor_is_the_same_whatever_was_found_of_the_rotor(arm
     assert motion.rotor[0] == pytest.approx([0.02 + more])
 
 
-def test_a_spring_has_the_rotor_on_one_side_and_the_link_on_the_other(arm: Model) -> None:
+def test_a_spring_has_a_rotor_on_one_side_a_link_on_the_other(arm: Model) -> None:
     """Two inertias on a spring ring at sqrt(k (1/J1 + 1/J2))."""
     for more in (0.0, -0.01, 0.01):
         soft = with_effect(arm, "reflected_inertia", inertia=more) if more else arm

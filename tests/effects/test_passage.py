@@ -49,7 +49,7 @@ def test_what_a_drive_has_does_not_load_the_gap_behind_it(effect: str) -> None:
     assert np.abs(more.passed - bare.passed).max() > 0.01 * size
 
 
-def test_what_the_links_have_loads_it_and_takes_nothing_of_what_passed() -> None:
+def test_what_the_links_have_loads_it_and_takes_nothing() -> None:
     bare = passage(LEG)
     more = passage(having(LEG, EffectKey("viscous_damping", "knee", "joint"), damping=0.3))
     size = np.abs(bare.load).max()

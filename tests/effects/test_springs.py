@@ -41,7 +41,7 @@ def test_a_spring_winds_from_where_it_begins(damping: float) -> None:
     assert moved + freely == pytest.approx(second[cut:], abs=2e-3 * np.abs(second).max())
 
 
-def test_springs_whose_links_do_not_feel_each_other_wind_each_by_itself() -> None:
+def test_springs_of_links_that_feel_nothing_wind_by_themselves() -> None:
     inertia, stiffness, damping = np.array([0.05, 0.02]), np.array([200.0, 90.0]), np.array([0.4, 0.1])
     winds = _winds(_LOAD, _STEP, np.diag(inertia), stiffness, damping)
     for k in range(2):
@@ -49,7 +49,7 @@ def test_springs_whose_links_do_not_feel_each_other_wind_each_by_itself() -> Non
         np.testing.assert_allclose(winds[:, k], alone, rtol=1e-6, atol=1e-6 * np.abs(alone).max())
 
 
-def test_links_that_feel_each_other_ring_at_their_common_frequencies() -> None:
+def test_links_that_feel_each_other_ring_together() -> None:
     """A push on one spring alone: both ring, at the modes of the pair."""
     inertia, stiffness = np.array([[0.05, 0.02], [0.02, 0.03]]), np.array([200.0, 90.0])
     push = np.zeros_like(_LOAD)

@@ -22,7 +22,7 @@ def test_linkage_gravity_alone(g1: float, g2: float) -> None:
     np.testing.assert_allclose(added, wanted, atol=1e-9)
 
 
-def test_less_than_was_identified_is_taken_from_the_linkage_and_not_from_the_link() -> None:
+def test_less_than_was_identified_is_taken_from_the_linkage() -> None:
     """What was identified too large may be so by more than the bare shank has."""
     tree = read_model("leg_kin_only")
     stated, less, right = (inertia(m22) for m22 in (0.0072, -0.002, 0.0052))

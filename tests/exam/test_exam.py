@@ -40,7 +40,7 @@ def imported(file: Path) -> set[str]:
     return found
 
 
-def test_it_imports_nothing_of_the_workbench_and_plants_are_known_to_no_solver() -> None:
+def test_it_imports_no_workbench_and_solvers_know_no_plants() -> None:
     allowed = {"numpy", "scipy", "workbench_exam", *sys.stdlib_module_names}
     for file in (EXAM / "workbench_exam").rglob("*.py"):
         assert imported(file) <= allowed | ({"numba"} if "plants" in file.parts else set()), file
@@ -61,7 +61,7 @@ def test_a_case_is_that_of_every_other_machine(case: Path) -> None:
     assert first == f"{hash_of(case)}  case-000"
 
 
-def test_a_case_is_read_in_si_units_and_says_nothing_of_its_truth(case: Path) -> None:
+def test_a_case_is_in_si_units_and_says_nothing_of_its_truth(case: Path) -> None:
     read = read_case(case)
     assert [r.name for r in read.recordings] == ["slow", "sweep", "work"]
     first = read.recordings[0]
@@ -149,7 +149,7 @@ def test_the_truth_as_an_answer_is_right_and_removes_everything() -> None:
     )
 
 
-def test_false_names_wrong_verdicts_and_narrow_intervals_are_seen() -> None:
+def test_false_names_verdicts_and_narrow_intervals_are_seen() -> None:
     extra = Named("cogging", "bend")
     marks = mark(TOLD, Answer("missing_effect", (RIGHT, extra)), 1.0, None)
     assert (marks["false"], marks["good"], [n["is"] for n in marks["named"]]) == (

@@ -32,7 +32,7 @@ def states(n: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("family", MACHINES)
-def test_mass_matrix_and_torques_are_those_of_pinocchio_and_drake(family: str) -> None:
+def test_mass_and_torques_are_those_of_pinocchio_and_drake(family: str) -> None:
     machine = bare(draw_machine(family, 4))
     m, _ = plain(machine)
     model = pinocchio.buildModelFromXML(urdf(machine))
@@ -172,7 +172,7 @@ def test_friction_holds_some_drives_while_others_move() -> None:
     assert moved[0] < 1e-9 and moved[-1] > 0.01
 
 
-def test_delay_and_lag_stand_between_command_and_measured_torque() -> None:
+def test_delay_and_lag_stand_between_command_and_torque() -> None:
     machine = draw_machine("geared", 3)
     late = play(
         with_effect(Plant(machine), "command_delay", None, {"time": 0.004}), 3, 1, 1.0, 2e-3, noisy=False

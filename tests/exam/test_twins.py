@@ -28,7 +28,7 @@ def apart(plant: Plant, drive: str) -> float:
 
 
 @pytest.mark.parametrize("family", ["arm", "six_axis", "quadruped", "geared"])
-def test_drives_that_are_said_to_be_one_move_as_one_and_no_others_do(family: str, tmp_path: Path) -> None:
+def test_drives_said_to_be_one_move_as_one_and_no_others_do(family: str, tmp_path: Path) -> None:
     machine = draw_machine(family, 3)
     (tmp_path / "model.xml").write_text(mjcf(machine))
     twins = one_body(tmp_path / "model.xml", machine.axes)
@@ -54,7 +54,7 @@ def test_either_name_is_right_there() -> None:
     assert not mark(told | {"one_body": ("yaw",)}, link, 1.0, None)["good"]
 
 
-def test_what_rounding_decides_is_decided_alike_by_every_processor(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_rounding_decides_is_alike_on_every_processor(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(EXAM / "baselines")
     import stepwise
 

@@ -42,7 +42,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_one_that_fails_takes_nobody_along_and_a_second_run_goes_on(
+def test_one_that_fails_takes_nobody_along_and_a_rerun_goes_on(
     logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robots = find_robots([str(logs)], ["leg"])
@@ -70,7 +70,7 @@ def test_one_that_fails_takes_nobody_along_and_a_second_run_goes_on(
         run_fleet(robots, tmp_path, seed=1)
 
 
-def test_a_result_depends_on_every_file_that_its_robot_was_read_from(logs: Path, tmp_path: Path) -> None:
+def test_a_result_depends_on_every_file_of_its_robot(logs: Path, tmp_path: Path) -> None:
     models = tmp_path / "models"
     shutil.copytree(next(f for f in load_model("leg").files if f.name == "leg.toml").parent, models)
     robot = Robot("leg-1", str(models / "leg.toml"), (logs / "leg-1.toml", logs / "broken.toml"))
@@ -103,7 +103,7 @@ def test_a_result_depends_on_what_the_mjcf_draws_in(logs: Path, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("library", ["workbench", "mujoco", "scipy"])
-def test_a_result_depends_on_the_versions_it_was_worked_out_with(
+def test_a_result_depends_on_the_versions_it_was_made_with(
     library: str, robots: list[Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before, known = fingerprint(robots[0], 0), metadata.version

@@ -42,7 +42,7 @@ def test_a_share_is_that_of_the_nonlinearity() -> None:
     assert found.even[0] == pytest.approx(even_share(made.velocity[:, 0], lines_of(made)), rel=1e-9)
 
 
-def test_distortion_that_feedback_puts_into_the_input_counts_once() -> None:
+def test_distortion_fed_back_into_the_input_counts_once() -> None:
     """In a linear loop with a nonlinear actuator, input and output are distorted, and the plant is not."""
     d = design(grid="odd_random", phases="random", periods=6, transient_periods=2)
     r = d.play(0)[1]["torque_feedforward"][:, 0]

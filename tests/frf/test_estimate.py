@@ -58,7 +58,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
     assert binomial(np.array(phases), 0.9)
 
 
-def test_feedback_biases_the_plain_quotient_and_not_the_one_through_the_reference() -> None:
+def test_feedback_biases_the_plain_quotient_alone() -> None:
     """Noise that goes round the loop pulls Y U^H / (U U^H) towards -1 / controller."""
     d = design(f_max_hz=60, realisations=40, phases="random", periods=2, transient_periods=1, rms=0.5)
     recordings = loop_recordings(d, noise=0.5, gain=3.0)
@@ -92,7 +92,7 @@ def test_several_inputs_in_a_loop() -> None:
         assert hits.mean() > 0.8
 
 
-def test_an_orthogonal_set_needs_no_reference_and_one_axis_at_a_time_does_worse() -> None:
+def test_an_orthogonal_set_needs_no_reference_and_does_better() -> None:
     plant = mimo_plant(2, seed=3)
     stds = {}
     for mixing in ("orthogonal", "single"):

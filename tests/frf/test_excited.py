@@ -55,7 +55,7 @@ def test_small_lines_of_a_falling_excitation_stay(shape: float) -> None:
     assert lines_of(played(lines, bend=0.01, shape=shape)).tolist() == lines.tolist()
 
 
-def test_distortion_taken_for_excitation_would_show_in_the_response() -> None:
+def test_distortion_taken_for_excitation_would_show() -> None:
     lines = LINES["every_4"]
     r = played(lines, bend=0.03, noise=0.002)
     right = estimate([r])
@@ -65,7 +65,7 @@ def test_distortion_taken_for_excitation_would_show_in_the_response() -> None:
     assert np.abs(wrong.response[:, 0, 0] / truth(wrong.frequency) - 1).max() > 0.3
 
 
-def test_one_sharp_top_of_the_input_is_no_reason_to_leave_the_rest() -> None:
+def test_one_sharp_top_of_the_input_does_not_hide_the_rest() -> None:
     r = played(LINES["full"])
     angle = 2 * np.pi * 50 * np.arange(len(r)) / ROWS
     lifted = r.signals["torque_measured"] + 30.0 * np.cos(angle)[:, None]

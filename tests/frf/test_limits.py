@@ -42,7 +42,7 @@ def test_too_large_is_shrunk_to_the_binding_limit(rms) -> None:
     assert scaled.design.experiments == pytest.approx(design(rms * scaled.factor).experiments)
 
 
-def test_two_columns_of_a_quantity_go_by_the_order_of_their_limits() -> None:
+def test_two_columns_go_by_the_order_of_their_limits() -> None:
     limits = (Limit("speed", "a", -9, 9), Limit("torque", "a", -2, 2), Limit("speed", "b", -1, 1))
     both = {"torque": np.array([[0.0], [1.0]]), "speed": np.array([[0.0, 0.0], [1.0, -0.9]])}
     scaled = scale_to_limits(design(), lambda d: both, limits)

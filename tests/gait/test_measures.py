@@ -81,7 +81,7 @@ def test_two_gaits_apart_by_what_is_known() -> None:
     assert not made.lacking
 
 
-def test_measures_that_can_be_made_are_made_and_the_others_named() -> None:
+def test_measures_that_can_be_made_are_and_others_are_named() -> None:
     hardware = walk()
     blind = replace(hardware, extra={})
     made = compare_gaits(blind, blind)

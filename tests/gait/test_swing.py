@@ -47,7 +47,7 @@ def test_drives_that_are_not_on_the_joints() -> None:
     assert made is not None and max(e.value for e in made.error.values()) < 0.004
 
 
-def test_without_forces_the_feet_s_heights_tell_what_is_in_the_air() -> None:
+def test_without_forces_heights_of_feet_tell_who_is_in_the_air() -> None:
     log = flight(toy())
     blind = replace(log, extra={k: v for k, v in log.extra.items() if k != "ground_force"})
     both, one = predict_swing(limbs(), log), predict_swing(limbs(), blind)

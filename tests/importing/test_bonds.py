@@ -158,7 +158,7 @@ _PAIR = """<mujoco><compiler angle="radian"/><worldbody>
 </worldbody><equality><joint joint1="tip" joint2="two" polycoef="0.1 0.5 0.02 0 0"/></equality></mujoco>"""
 
 
-def test_a_follower_is_where_mujoco_has_it_and_moves_as_its_constraint_does(tmp_path: Path) -> None:
+def test_a_follower_is_where_mujoco_has_it_and_moves_alike(tmp_path: Path) -> None:
     """A finger whose tip follows a pulley along a curve: velocity terms need how the curve bends."""
     file = tmp_path / "finger.xml"
     file.write_text(_PAIR)
@@ -266,7 +266,7 @@ def test_a_ball_that_is_no_rod_is_refused(tmp_path: Path) -> None:
         contents_of(file)
 
 
-def test_what_is_wrong_is_said_of_the_users_file_and_nothing_of_turns(tmp_path: Path) -> None:
+def test_what_is_wrong_is_said_of_the_users_file(tmp_path: Path) -> None:
     """A link on its side has two angles that are one; limits that cannot be reached are the file's own."""
     file = tmp_path / "ankle.xml"
     file.write_text(_ROD.replace('<body name="shin">', '<body name="shin" euler="0 1.5707963267948966 0">'))

@@ -118,7 +118,7 @@ def test_what_cannot_be_hidden_is_said_in_one_line(tmp_path: Path) -> None:
             own_rig(model, [effect])
 
 
-def test_a_leg_of_ones_own_is_recorded_and_what_it_hides_is_what_its_model_lacks(tmp_path: Path) -> None:
+def test_a_leg_of_ones_own_hides_what_its_model_lacks(tmp_path: Path) -> None:
     text = _mjcf(tmp_path).read_text()
     even = text.replace('name="rod_end" pos="0 0 -0.2"', 'name="rod_end" pos="0 0 -0.22"')
     (tmp_path / "leg.xml").write_text(
@@ -220,7 +220,7 @@ def _four_bar(folder: Path) -> Path:
     return folder
 
 
-def test_motors_over_can_turn_the_mechanism_that_the_configuration_names(tmp_path: Path) -> None:
+def test_motors_over_can_turn_the_mechanism_that_is_named(tmp_path: Path) -> None:
     """The same leg in its own simulator and as a model of its own: one motion, over the same buses."""
     loaded = config(
         tmp_path,
@@ -249,7 +249,7 @@ def test_motors_over_can_turn_the_mechanism_that_the_configuration_names(tmp_pat
     np.testing.assert_allclose(shown[0][:, :, 0], shown[1][:, :, 0], atol=1.5e-3)  # four steps of the encoder
 
 
-def test_hidden_delay_of_the_loop_is_all_that_stays_of_one_over_can() -> None:
+def test_hidden_delay_of_the_loop_is_all_that_stays_over_can() -> None:
     late = own_plants([HiddenIn("command_delay", None, "actuator", {"time": 0.001})])("leg", 0, ROW)
     late.command((5.0, 0.0))
     late.advance()

@@ -116,9 +116,7 @@ def unequal_bars(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("crank", [1.0, -1.5])
-def test_the_start_chooses_the_way_to_put_a_leg_together_and_the_other_is_told(
-    tmp_path: Path, crank: float
-) -> None:
+def test_the_start_chooses_the_way_to_put_a_leg_together(tmp_path: Path, crank: float) -> None:
     file = unequal_bars(tmp_path)
     words = [
         "--drive",
@@ -154,7 +152,7 @@ def test_the_start_chooses_the_way_to_put_a_leg_together_and_the_other_is_told(
     assert again[1] == pytest.approx(other["crank"])
 
 
-def test_what_import_made_is_normalised_to_s3n_full_and_agrees_with_check(tmp_path: Path) -> None:
+def test_what_import_made_is_normalised_and_agrees_with_check(tmp_path: Path) -> None:
     model = import_model(LEG, MOTORS, tmp_path / "own.toml")
     done = run("normalize", tmp_path / "own.toml", "-o", tmp_path / "n.xml", "--json", tmp_path / "n.json")
     said = " ".join(done.stdout.split())

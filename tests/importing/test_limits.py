@@ -59,7 +59,7 @@ def test_limits_that_the_user_gives_are_taken_as_they_are(tmp_path: Path) -> Non
     assert "Limits:" not in said
 
 
-def test_where_the_file_has_no_range_one_about_the_start_is_taken(tmp_path: Path) -> None:
+def test_where_the_file_has_no_range_one_about_start_is_taken(tmp_path: Path) -> None:
     said, file = _imported(tmp_path, "", "")
     model = read_model(file)
     assert model.closed_chain is not None and len(model.closed_chain.limits) == 2

@@ -51,7 +51,7 @@ def test_an_ankle_of_a_wholebiped(tmp_path: Path, base: str) -> None:
     assert verify(model, samples=4).passed
 
 
-def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path: Path) -> None:
+def test_a_joint_that_loops_move_on_the_way_is_refused(tmp_path: Path) -> None:
     file = biped(tmp_path)
     follows = '<joint joint1="left_leaf" joint2="left_hip" polycoef="0 0.5 0 0 0"/></equality>'
     file.write_text(file.read_text().replace("</equality>", follows))

@@ -33,7 +33,7 @@ def told(recording: Recording) -> list[Remark]:
     return [r for r in inspect([recording]).recordings[0].remarks if "other coordinates" in r.text]
 
 
-def test_a_law_of_the_joints_that_is_said_to_be_one_of_the_drives() -> None:
+def test_a_law_of_the_joints_said_to_be_one_of_the_drives() -> None:
     (remark,) = told(stated(made(), "actuator"))
     assert remark.severity == "problem" and remark.value["coordinates"] == "joint"
     assert 'State coordinates = "joint"' in remark.text and remark.value["unexplained"] < 0.005
@@ -47,7 +47,7 @@ def test_any_constant_transmission_shows_in_the_command_itself(drives: np.ndarra
     np.testing.assert_allclose(remark.value["to_controller"], np.linalg.inv(drives @ BELT), atol=0.02)
 
 
-def test_a_law_of_the_drives_that_is_said_to_be_one_of_the_joints() -> None:
+def test_a_law_of_the_drives_said_to_be_one_of_the_joints() -> None:
     r = made()
     kp, kd = np.array([30.0, 20.0]), np.array([0.9, 0.7])
     held = np.repeat(np.arange(0, len(r), 3), 3)[: len(r)]

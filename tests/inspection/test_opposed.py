@@ -29,7 +29,7 @@ def test_a_reference_that_counts_the_other_way(axis: str) -> None:
     assert opposed(followed()) == []
 
 
-def test_a_loop_that_is_driven_too_fast_answers_the_other_way_but_less() -> None:
+def test_a_loop_driven_too_fast_answers_the_other_way_but_less() -> None:
     log = followed()
     t = log.time[:, None]
     away = log.with_signals(

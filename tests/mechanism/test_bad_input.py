@@ -133,7 +133,7 @@ def test_drives_out_of_the_workspace_are_named() -> None:
         chain("ankle").drive_position(np.array([-1.1, 0.0]))
 
 
-def test_a_start_that_is_a_dead_point_of_the_serial_joints_says_so() -> None:
+def test_a_start_at_a_dead_point_of_the_serial_joints_says_so() -> None:
     """An upright rod does not begin to lean when the foot rolls, so its lean cannot stand for the roll."""
     leaning = ClosedChain(replace(mechanism("ankle"), joints=("pitch", "left_rod_top_qx"), limits=()))
     message = "the start posture is a dead point, pitch = 0, left_rod_top_qx = 0: give another"

@@ -46,7 +46,7 @@ def test_velocities_are_derivatives_of_positions(name: str, part: tuple[float, f
 @every_mechanism
 @given(parts, speeds)
 @everywhere
-def test_mass_is_symmetric_positive_and_bias_does_no_work_of_its_own(
+def test_mass_is_symmetric_positive_and_bias_does_no_work(
     name: str, part: tuple[float, float], v: np.ndarray
 ) -> None:
     """v . bias = v . M' v / 2 in either coordinates, the L' term included: kinetic energy is kept."""

@@ -29,7 +29,7 @@ def two_legs(tmp_path: Path) -> Model:
     return load_model(file)
 
 
-def test_mirrored_hips_are_alike_and_knees_of_other_damping_are_not(two_legs: Model) -> None:
+def test_mirrored_hips_are_alike_and_other_knees_are_not(two_legs: Model) -> None:
     assert alike_axes(two_legs) == (("left_hip", "right_hip"),)
 
 

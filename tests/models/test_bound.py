@@ -35,7 +35,7 @@ def _mjcf(folder: Path, bound: str) -> Path:
 
 
 @pytest.mark.parametrize("kind", _BOUND)
-def test_an_active_equality_is_named_and_an_inactive_one_does_nothing(tmp_path: Path, kind: str) -> None:
+def test_an_active_equality_is_named_an_inactive_does_nothing(tmp_path: Path, kind: str) -> None:
     with pytest.raises(InputError, match=rf"'pin' \({kind}\).*; ") as refusal:
         load_model(_mjcf(tmp_path, _BOUND[kind].format(active="")))
     assert "\n" not in str(refusal.value)

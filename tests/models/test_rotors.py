@@ -19,7 +19,7 @@ _ARM = """<mujoco><worldbody><body><joint name="a" axis="0 -1 0" armature="0.02"
 <inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>{end}</body></body></worldbody></mujoco>"""
 
 
-def test_the_armature_of_a_joint_is_the_rotor_of_the_drive_that_turns_it_alone(tmp_path: Path) -> None:
+def test_armature_of_a_joint_is_the_rotor_that_turns_it_alone(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(_ARM.format(end=""))
     inertia, damping = rotors(load_model(str(tmp_path / "arm.xml")))
     assert inertia.tolist() == [0.02, 0.05] and damping.tolist() == [0.3, 0.0]

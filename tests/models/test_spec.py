@@ -21,7 +21,7 @@ FROM_GEOMS = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name=
 </worldbody></mujoco>"""
 
 
-def test_inertia_from_geoms_is_that_of_the_files_bodies_and_of_no_other(tmp_path: Path) -> None:
+def test_inertia_from_geoms_is_that_of_the_files_bodies(tmp_path: Path) -> None:
     file = tmp_path / "arm.xml"
     file.write_text(FROM_GEOMS)
     alone, read = mujoco.MjModel.from_xml_path(str(file)), load_tree(file).compile()

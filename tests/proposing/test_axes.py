@@ -52,7 +52,7 @@ def test_a_name_with_which_another_begins_is_known_too(name: str, written: str, 
     assert not [q for q in proposal.questions if q.key == "axes"]
 
 
-def test_a_torque_that_hardly_moves_is_measured_like_those_of_its_name(tmp_path: Path) -> None:
+def test_a_torque_that_hardly_moves_is_like_those_of_its_name(tmp_path: Path) -> None:
     resting = np.where(np.arange(len(LOG.t)) % 50 < 45, 0.0, LOG.tau[:, 1])
     moving = np.column_stack([LOG.tau[:, 0]] * 2)
     data = {"time": LOG.t} | {

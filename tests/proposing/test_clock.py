@@ -50,7 +50,7 @@ def test_rows_of_another_topic_are_no_rows(tmp_path: Path, rate: float, name: st
     assert any("rows without a number of any axis" in note for note in proposal.notes)
 
 
-def test_a_reference_on_rows_of_its_own_is_held_on_those_of_the_axes(tmp_path: Path) -> None:
+def test_a_reference_on_rows_of_its_own_is_held_on_the_axes(tmp_path: Path) -> None:
     plain = columns(LOG)
     seen = {n: v for n, v in plain.items() if "ref" not in n}
     at = LOG.t[::4] - 0.001  # asked for at a quarter of the rate, before the row that shows it
@@ -143,7 +143,7 @@ def test_two_drivers_on_one_topic_are_two_series(
 
 
 @pytest.mark.parametrize("late", [0.002, 0.1, 0.6])
-def test_what_a_loop_asked_for_belongs_to_the_row_that_it_answers(tmp_path: Path, late: float) -> None:
+def test_what_a_loop_asked_for_belongs_to_the_row_it_answers(tmp_path: Path, late: float) -> None:
     """A command is published a little after the row that it was made of; it is not the next row's."""
     plain = columns(LOG)
     seen = {n: v for n, v in plain.items() if "ref" not in n and "cmd" not in n}
@@ -175,7 +175,7 @@ def test_a_drive_with_rows_of_its_own_keeps_its_law(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("count", [2, 5])
-def test_rows_that_stand_there_several_times_are_taken_once_and_said(tmp_path: Path, count: int) -> None:
+def test_rows_that_stand_there_twice_are_taken_once_and_said(tmp_path: Path, count: int) -> None:
     """A logger at 1 kHz of sensors at 200 Hz: half and more of the rows held nothing new, in silence."""
     data = {name: np.repeat(values, count) for name, values in columns(LOG).items()}
     data["t"] = LOG.t[0] + np.arange(count * N) * (LOG.t[1] - LOG.t[0]) / count

@@ -159,7 +159,7 @@ def test_lerobot(tmp_path: Path) -> None:
         open_table(folder, episode=7)
 
 
-def test_lerobot_is_read_by_a_process_that_has_loaded_nothing_else(tmp_path: Path) -> None:
+def test_lerobot_is_read_by_a_process_with_nothing_else_loaded(tmp_path: Path) -> None:
     code = "import pathlib, sys, workbench.proposing as p; p.open_table(pathlib.Path(sys.argv[1]))"
     words = [sys.executable, "-c", code, str(lerobot(tmp_path / "set"))]
     done = subprocess.run(words, capture_output=True, text=True)

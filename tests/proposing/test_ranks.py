@@ -47,7 +47,7 @@ def test_a_rival_that_is_as_good_ends_it() -> None:
     assert in_rank({"column_2": "column_5"}, names, alike) == {}
 
 
-def test_a_joint_that_turns_more_than_once_is_asked_about_and_not_taken_for_degrees(tmp_path: Path) -> None:
+def test_a_joint_that_turns_several_times_is_asked_about(tmp_path: Path) -> None:
     q, w = (np.column_stack(s) for s in zip(*(moved(k) for k in range(2)), strict=True))
     q[:, 1], w[:, 1] = 6.3 * q[:, 1], 6.3 * w[:, 1]
     np.savetxt(tmp_path / "run.csv", np.column_stack([q, w]), delimiter=",")

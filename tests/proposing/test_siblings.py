@@ -34,7 +34,7 @@ def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> Non
     assert not any("derivative" in note for note in proposal.notes), "what stands still has no slope to hold"
 
 
-def test_units_are_in_some_names_and_not_in_those_that_differ_in_their_role_alone(tmp_path: Path) -> None:
+def test_units_in_names_hold_for_those_of_the_same_role_alone(tmp_path: Path) -> None:
     """As a German lab writes: "Ist" is measured, "Soll" is asked for, "Grad" are degrees, M is torque."""
     degrees = 180.0 / np.pi
     data = {"Zeit_ms": LOG.t * 1e3}
@@ -71,7 +71,7 @@ def test_a_held_joint_among_columns(tmp_path: Path) -> None:
     assert not recording.signals["torque_command"][:, 1].any()
 
 
-def test_positions_alone_are_joints_where_nothing_else_is_logged(tmp_path: Path) -> None:
+def test_positions_alone_are_joints_where_no_more_is_logged(tmp_path: Path) -> None:
     np.savez(tmp_path / "run.npz", time=LOG.t, q=LOG.q, link_pos=TOOL)
     _, recording = imported(tmp_path / "run.npz")
     assert len(recording.axes) == 5

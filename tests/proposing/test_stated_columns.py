@@ -48,7 +48,7 @@ def test_they_tell_the_rate(nameless: Path) -> None:
     assert asked.key == "rate" and float(asked.best) == pytest.approx(200.0, rel=0.03)
 
 
-def test_a_stated_rate_that_all_speeds_contradict_is_called_that(nameless: Path) -> None:
+def test_a_stated_rate_that_all_speeds_contradict_is_told(nameless: Path) -> None:
     proposal, recording = imported(nameless, answers(400.0, "column_1", "column_2"))
     (note,) = [n for n in proposal.notes if "rows per second" in n]
     assert "on every axis" in note and float(note.split("--rate ")[1]) == pytest.approx(200.0, rel=0.03)
@@ -106,7 +106,7 @@ def test_stated_columns_are_in_the_order_of_the_axes(reversed_order: Path, axes:
     np.testing.assert_allclose(torque["b"], LOG.tau[:, 1], atol=1e-4)
 
 
-def test_a_torque_constant_is_per_ampere_of_columns_in_milliampere(reversed_order: Path) -> None:
+def test_a_torque_constant_is_per_ampere_of_milliampere_columns(reversed_order: Path) -> None:
     said = Answers(
         columns={"torque_measured": ("a_current [mA]", "b_current [mA]")},
         units={"torque": "2*N*m"},

@@ -34,7 +34,7 @@ def test_each_axis_keeps_the_unit_of_its_names(tmp_path: Path) -> None:
     assert np.allclose(recording.controller.kd, KD, rtol=0.02)
 
 
-def test_that_axes_turn_is_no_more_than_likely_where_nobody_says_so(tmp_path: Path) -> None:
+def test_that_axes_turn_is_no_more_than_likely_unsaid(tmp_path: Path) -> None:
     bare = {
         name.replace("act", "pos"): v for name, v in mixed(LOG, units=False).items() if "drive" not in name
     }

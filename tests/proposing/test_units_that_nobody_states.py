@@ -163,7 +163,7 @@ def test_an_encoders_steps_and_steps_a_second(tmp_path: Path) -> None:
     )
 
 
-def test_equations_of_a_motor_before_its_gear_are_asked_and_not_in_degrees(tmp_path: Path) -> None:
+def test_equations_of_a_motor_before_its_gear_are_asked(tmp_path: Path) -> None:
     """Numbers to 14, of a motion of 11: degrees of a joint that hardly moves, or radians of a rotor."""
     whole = moved()
     fast = whole.with_signals(position=11 * whole.position, velocity=11 * whole.signals["velocity"])

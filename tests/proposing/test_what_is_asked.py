@@ -64,7 +64,7 @@ def test_a_torque_is_no_command_because_the_drives_were_off(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("law", [True, False])
-def test_efforts_of_joints_without_a_drive_say_nothing_of_the_others(tmp_path: Path, law: bool) -> None:
+def test_efforts_of_joints_without_a_drive_say_nothing(tmp_path: Path, law: bool) -> None:
     data = {"t": LOG.t}
     for i, joint in enumerate(("hip", "knee")):
         torque = KP[i] * (LOG.ref[:, i] - LOG.q[:, i]) - KD[i] * LOG.v[:, i] if law else LOG.tau[:, i]

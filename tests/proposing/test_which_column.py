@@ -159,5 +159,5 @@ def test_joints_that_are_called_like_units_of_length_are_joints(
     assert recording.axes == joints
 
 
-def test_a_column_that_numbers_rows_has_no_unit_though_n_is_one_of_force() -> None:
+def test_a_column_that_numbers_rows_is_not_in_newtons() -> None:
     assert (role_of("n").kind, role_of("n").unit) == ("index", "")

@@ -78,7 +78,7 @@ def test_the_stated_loop_says_what_is_asked() -> None:
     assert not dead_rows(signals, good, STEP, UNKNOWN, "joint").any()
 
 
-def test_a_law_of_the_wrong_sign_asks_for_much_and_its_drive_is_not_off() -> None:
+def test_a_law_of_the_wrong_sign_is_no_drive_that_is_off() -> None:
     """Positions at minus the stated reference: the law asks for far more than what moves the axis."""
     reference = np.column_stack([0.9 + 0.3 * np.sin(3 * T), 0.9 + 0.3 * np.cos(4 * T)])
     some = np.where(T > 6.0, 1.0, 0.01)[:, None]  # now and then a tenth of it, by chance

@@ -30,7 +30,7 @@ def test_reference_leg() -> None:
 
 
 @pytest.mark.parametrize("every", [2, 4, 5])
-def test_noise_at_ticks_that_no_row_shows_is_not_the_torque_s_own(every: int) -> None:
+def test_noise_at_ticks_that_no_row_shows_is_not_the_torque_s(every: int) -> None:
     """There the torque answers noise that sensors had between rows, 0.05 N m of it; its own is 0.02 N m."""
     found = [noise_levels(degrade(load_recording(path), every=every)).torque_std for path in leg_examples()]
     assert np.median(found) == pytest.approx(0.02, rel=0.2)
@@ -81,7 +81,7 @@ def test_friction_steps_and_rates_do_not_count_as_noise(rate: float) -> None:
     assert noise.velocity_std[0] == pytest.approx(0.03, rel=0.1)
 
 
-def test_a_torque_that_is_logged_in_coarse_steps_has_the_noise_of_these() -> None:
+def test_a_torque_logged_in_coarse_steps_has_their_noise() -> None:
     r, step = drive(1000.0, seconds=6.0), 0.5
     slow = np.sin(np.pi * r.time) + 0.02 * np.random.default_rng(3).standard_normal(len(r))
     coarse = (np.round(slow / step) * step)[:, None]  # stands still in most windows
@@ -136,7 +136,7 @@ def test_noise_beside_rounding_is_found_whatever_its_size(times: float, fast: bo
     assert noise_levels(r).position_std[0] == pytest.approx(rounding * np.hypot(1.0, times), rel=0.12)
 
 
-def test_an_axis_on_which_motion_hides_its_noise_is_as_noisy_as_the_others_with_its_encoder() -> None:
+def test_an_axis_that_hides_its_noise_is_as_noisy_as_its_like() -> None:
     """Of eighteen axes one had half the floor of the others: it lay just below twice the rounding."""
     rng, t = np.random.default_rng(0), np.arange(4000) / 1000
     moved = np.sin(2 * np.pi * t)[:, None] * np.ones(5)
@@ -185,7 +185,7 @@ def test_noise_of_speed_that_the_loop_answers_counts_as_noise() -> None:
     assert found.velocity_std[0] == pytest.approx(sigma, rel=0.15)
 
 
-def test_noise_between_gaps_that_leave_no_room_for_a_long_window() -> None:
+def test_noise_between_gaps_without_room_for_a_long_window() -> None:
     r = drive(1000.0)
     valid = np.arange(len(r)) % 120 != 0
     plain, broken = noise_levels(r), noise_levels(replace(r, valid=valid))

@@ -78,7 +78,7 @@ def test_whole_turns_beside_its_reference_without_a_jump() -> None:
     assert "whole turns away" in note
 
 
-def test_a_reference_that_wraps_too_and_one_that_is_never_followed() -> None:
+def test_a_reference_that_wraps_and_one_never_followed() -> None:
     good = np.ones(len(T), bool)
     both = {
         name: wrapped(ROLLS + o, -np.pi, 2 * np.pi)[:, None]

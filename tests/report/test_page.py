@@ -146,7 +146,7 @@ def test_results_without_comparisons_or_torque_have_pages(diagnosis, improvement
     assert "<h1" in render_page(replace(without_torque, recordings=()), command=COMMAND)
 
 
-def test_motion_that_was_not_compared_is_not_drawn_as_if_it_fitted(comparison):
+def test_motion_that_was_not_compared_is_not_drawn_as_a_fit(comparison):
     entries = [replace(e, position_rmse=np.full(2, np.nan)) for e in comparison.recordings]
     values, _ = plots(replace(comparison, recordings=tuple(entries)), None)
     assert all(r["axes"][1]["position"] is None and r["axes"][1]["torque"] for r in values["recordings"])
@@ -250,7 +250,7 @@ def test_held_out_recordings_have_their_own_numbers(improvement: Improvement, di
     assert "held-out recordings, which" not in Page(render_page(diagnosis, command=COMMAND)).text
 
 
-def test_the_residual_before_and_after_comes_first_and_needs_no_script(improvement: Improvement) -> None:
+def test_the_residual_comes_first_and_needs_no_script(improvement: Improvement) -> None:
     strips = residual_strips(improvement.before, improvement.after)
     assert strips and strips.title == "Residual torque of knee in chirp_knee"
     assert [s.style for s in strips.strips] == ["before", "after"]
@@ -270,7 +270,7 @@ def test_hashes_are_folded_at_the_end(diagnosis: Diagnosis) -> None:
     assert folded < page.index(hashlib.sha256(Path(__file__).read_bytes()).hexdigest())
 
 
-def test_a_comparison_says_what_its_error_is_and_that_shares_overlap(comparison) -> None:
+def test_a_comparison_says_what_its_error_is(comparison) -> None:
     text = Page(render_page(comparison, command=COMMAND)).text
     assert "divided by the measured signal's standard deviation" in text
     assert "Each table divides the same error differently; do not add them." in text

@@ -26,9 +26,7 @@ def curves(file: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return found
 
 
-def test_measured_and_simulated_lie_in_one_plot_of_each_signal_and_axis(
-    comparison: Comparison, tmp_path: Path
-) -> None:
+def test_measured_and_simulated_lie_in_one_plot(comparison: Comparison, tmp_path: Path) -> None:
     found = curves(write_rerun(comparison, tmp_path / "result.rrd"))
     for entry in comparison.recordings:
         real, valid = entry.recording, np.asarray(entry.recording.valid, bool)

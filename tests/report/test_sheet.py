@@ -102,7 +102,7 @@ def values(page: str) -> list[dict]:
     return json.loads(gzip.decompress(base64.b64decode(packed[1])))
 
 
-def test_the_drawing_holds_magnitude_phase_and_error_of_the_models():
+def test_the_drawing_holds_magnitude_phase_and_error():
     panel = values(render_sheet(sheet(panels=1), command=COMMAND))[0]
     magnitude, phase, error = panel["rows"]
     f = np.array(magnitude["curves"][1]["x"])

@@ -54,7 +54,7 @@ def test_compare_says_what_and_where(comparison):
     assert " mrad" in text and "64 %" in text and "−0.5 to 0.5 rad/s" in text
 
 
-def test_diagnose_names_the_effect_with_its_interval_and_lookalike(diagnosis):
+def test_diagnose_names_the_effect_interval_and_lookalike(diagnosis):
     text = " ".join(printed(diagnosis_table(diagnosis)).split())
     assert "Something is missing: Coulomb friction on the knee drive, 0.254 ± 0.003 N m (95 %)." in text
     assert "97 % probable" in text and "Coulomb friction at the knee joint" in text
@@ -133,7 +133,7 @@ def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
     assert line[1:] in text
 
 
-def test_an_improvement_that_stops_above_the_noise_says_why_and_where(improvement):
+def test_an_improvement_that_stops_above_noise_says_why(improvement):
     """The verdict says by how much, and said no more."""
     after = build.comparison(0.1)
     assert after.where

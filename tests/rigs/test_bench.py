@@ -35,7 +35,7 @@ def test_motion_is_that_of_an_independent_integrator() -> None:
     np.testing.assert_allclose(recording.signals["velocity"][:, 0], np.array(states)[:, 1], atol=1e-8)
 
 
-def test_measured_torque_follows_the_command_by_three_milliseconds() -> None:
+def test_measured_torque_follows_the_command_by_three_ms() -> None:
     recording = VirtualBench(sensors=PERFECT).run({"a": np.arange(60.0) / 10}, NOISE)[0]
     command, measured = (recording.signals[k][:, 0] for k in ("torque_command", "torque_measured"))
     np.testing.assert_array_equal(measured[3:], command[:-3])
@@ -58,7 +58,7 @@ HIDDEN = (
 )
 
 
-def test_the_drive_hides_on_the_bench_what_it_hides_in_the_leg_and_nothing_of_the_links() -> None:
+def test_the_drive_hides_on_the_bench_what_it_hides_in_the_leg() -> None:
     t = 1e-3 * np.arange(600)
     log = VirtualBench(sensors=PERFECT, hidden=HIDDEN).run({"a": 2.0 * np.sin(20.0 * t)}, NOISE)[0]
     torque, w = (log.signals[k][:, 0] for k in ("torque_measured", "velocity"))

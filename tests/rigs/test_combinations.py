@@ -32,7 +32,7 @@ SETS = [
 
 
 @pytest.mark.parametrize("effects", SETS, ids=lambda effects: "+".join(e.effect for e in effects))
-def test_a_set_runs_repeats_with_its_seed_and_is_more_than_its_parts(
+def test_a_set_repeats_with_its_seed_and_is_more_than_parts(
     effects: tuple[HiddenEffect, ...],
 ) -> None:
     def run(hidden: tuple[HiddenEffect, ...], seed: int = 3) -> np.ndarray:

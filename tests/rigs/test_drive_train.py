@@ -18,7 +18,7 @@ def test_a_perfect_drive_passes_its_torque_on() -> None:
     np.testing.assert_array_equal(train.motion(q, v), [q, v])
 
 
-def test_a_wrong_torque_constant_and_friction_that_opposes_motion() -> None:
+def test_a_wrong_torque_constant_and_opposing_friction() -> None:
     train = DriveTrain([DriveSide(gain=0.9, friction=0.3)] * 3, STEP)
     passed = train.advance(np.array([1.0, 1.0, 0.0]), np.zeros(3), np.array([2.0, -2.0, 0.0]))
     np.testing.assert_allclose(passed, [0.6, 1.2, 0.0])
@@ -39,7 +39,7 @@ def test_play_is_torqueless_and_its_flanks_conserve_energy() -> None:
     assert max(speeds[2000:]) == pytest.approx(max(speeds[:2000]), rel=0.02)
 
 
-def test_a_link_pushed_through_play_settles_where_the_flank_says() -> None:
+def test_a_link_pushed_through_play_settles_at_the_flank() -> None:
     train = DriveTrain([PLAY], STEP)
     train.reset(np.zeros(1))
     still = np.zeros(1)

@@ -129,9 +129,7 @@ SEATS = [
 
 
 @pytest.mark.parametrize(("effect", "axis", "location"), SEATS)
-def test_resistance_opposes_motion_where_it_sits_and_nowhere_else(
-    effect: str, axis: str, location: str
-) -> None:
+def test_resistance_opposes_motion_where_it_sits_alone(effect: str, axis: str, location: str) -> None:
     lost, speed = lost_torque(HiddenEffect(effect, axis, location, RESISTANCES[effect]), wave())
     direction = {"hip": [1, 0], "knee": [0, 1]}[axis] if location == "actuator" else [-1, 1]
     across = np.array([direction[1], -direction[0]])

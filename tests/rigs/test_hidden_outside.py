@@ -46,7 +46,7 @@ def test_a_strap_pulls_one_way_only() -> None:
     assert q.min() < -0.6 and q.max() > -0.5
 
 
-def test_a_spring_between_motors_winds_by_the_sum_of_their_angles() -> None:
+def test_a_spring_between_motors_winds_by_their_sum() -> None:
     recording = log([hidden("cross_spring")], still())
     q, u = recording.position[-1], recording.signals["torque_measured"][-1]
     gravity = np.array([1.850411 * np.sin(q[0]), 0.274007 * np.sin(q[1])])
@@ -60,7 +60,7 @@ def test_cross_damping_is_of_the_other_speed(axis: str, own: int, other: int) ->
     np.testing.assert_allclose(lost[:, other], 0.0, atol=1e-3)
 
 
-def test_cross_damping_is_the_same_where_the_leg_has_more_coordinates() -> None:
+def test_cross_damping_is_the_same_with_more_coordinates() -> None:
     """A spring that is stiff and a plain leg agree."""
     stiff = HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 2e4, "damping": 20.0})
     plain, flexible = (log([hidden("cross_damping"), *more], wave(400)) for more in ([], [stiff]))
@@ -114,7 +114,7 @@ def test_a_deadband_swallows_small_torque() -> None:
     )
 
 
-def test_a_loose_contact_opens_as_often_and_as_long_as_it_should() -> None:
+def test_a_loose_contact_opens_as_often_and_long_as_it_should() -> None:
     got = applied("torque_dropout", np.ones(40_000))
     assert set(got) == {0.0, 1.0}
     edges = np.flatnonzero(np.diff(got))

@@ -43,7 +43,7 @@ def test_work_of_a_constant_torque_becomes_energy() -> None:
     assert gained == pytest.approx(torque @ (np.array(state[:2]) - start), abs=1e-10)
 
 
-def test_a_sliding_flywheel_stops_where_the_formula_says_and_stays() -> None:
+def test_a_sliding_flywheel_stops_where_the_formula_says() -> None:
     leg = Integrator(ALONE, FREE, frictions=[coulomb(0.2)])
     state: State = (0.0, 0.0, 1.0, 0.0)
     for _ in range(400):

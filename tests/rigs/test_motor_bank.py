@@ -48,9 +48,7 @@ def _on(robot: CanConfig, bank: MotorBank) -> None:
 
 
 @pytest.mark.parametrize(("model", "own"), [("leg", False), ("four_bar", True)])
-def test_an_answer_between_rows_is_that_of_the_row_which_follows(
-    tmp_path: Path, model: str, own: bool
-) -> None:
+def test_an_answer_between_rows_is_that_of_the_next_row(tmp_path: Path, model: str, own: bool) -> None:
     robot = _robot(tmp_path, model, ("hip", "knee"))
     between, in_rows = _bank(robot, own), _bank(robot, own)
     for bank in (between, in_rows):

@@ -60,7 +60,7 @@ def test_force_is_stiffness_times_depth_and_never_pulls() -> None:
 
 
 @pytest.mark.parametrize("coefficient", [0.3, 0.6])
-def test_friction_reaches_its_limit_where_the_foot_slips_and_stays_below_elsewhere(
+def test_friction_reaches_its_limit_where_the_foot_slips(
     coefficient: float,
 ) -> None:
     r = recorded("slide", HiddenEffect("ground_friction", parameters={"coefficient": coefficient}))

@@ -101,7 +101,7 @@ def test_velocity_terms_belong_to_their_inertia() -> None:
     )
 
 
-def test_a_model_becomes_any_variant_and_keeps_its_other_effects() -> None:
+def test_a_model_becomes_any_variant_and_keeps_its_effects() -> None:
     from tests.simulation.make import having
     from workbench.core import EffectKey
 

@@ -18,7 +18,7 @@ def test_the_radius_of_the_reference_leg() -> None:
     assert (np.diff(fine) < 0).all()
 
 
-def test_it_rings_at_the_sample_rate_but_follows_the_implicit_variant() -> None:
+def test_it_rings_at_the_sample_rate_but_follows_the_implicit() -> None:
     torque, at_rest = chirp_torque(200), (HOLD, np.zeros(2))
     leg = load_model("leg_kin_only")
     injected, implicit = (

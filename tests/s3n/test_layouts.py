@@ -64,7 +64,7 @@ def test_what_cannot_be_normalised_is_named_in_one_line(name: str, tmp_path: Pat
     assert says in done.stderr and done.stderr.count("\n") == 1
 
 
-def test_limits_of_the_files_own_actuators_are_said_to_be_left_out(tmp_path: Path) -> None:
+def test_limits_of_the_files_actuators_are_said_to_be_left_out(tmp_path: Path) -> None:
     done = run("normalize", lay_out(tmp_path, LAYOUTS["actuators of all kinds"]), "-o", "n.xml", cwd=tmp_path)
     said = " ".join(done.stdout.split())
     assert "torque limit" not in said

@@ -95,7 +95,7 @@ def test_damping_that_begins_at_a_flank_is_said_to_be_left_out() -> None:
     assert not normalise(model, integrator=None).left_out, "a model without play has no flanks"
 
 
-def test_a_base_and_springs_at_drives_and_pins_stand_in_one_tree() -> None:
+def test_a_base_and_springs_at_drives_and_pins_are_one_tree() -> None:
     model = load_model("leg")
     for key, values in (BENDING[0], BENDING[2], BENDING[5]):
         model = having(model, key, **values)
@@ -157,7 +157,7 @@ def test_what_needs_a_torque_function_is_named() -> None:
     assert "stribeck_friction@knee" in tree.xml and "function at every step" in tree.xml
 
 
-def test_a_shank_whose_weight_is_off_its_line_keeps_bodies_of_its_own(tmp_path: Path) -> None:
+def test_a_shank_heavy_off_its_line_keeps_bodies_of_its_own(tmp_path: Path) -> None:
     """One gravity compensation cannot turn a weight's direction."""
     xml = (load_model("leg").serial).read_text().replace('pos="0 0 -0.09"', 'pos="0.02 0.01 -0.09"')
     (tmp_path / "crooked.xml").write_text(xml)
@@ -175,7 +175,7 @@ def test_a_model_file_can_be_normalised_without_a_linkage(tmp_path: Path) -> Non
         normalise(model, "s3n_full")
 
 
-def test_a_transmission_that_changes_with_the_posture_is_refused() -> None:
+def test_a_transmission_that_changes_with_posture_is_refused() -> None:
     turning = replace(load_model("leg"), posture_dependent=True)
     for refused in (lambda: normalise(turning), lambda: run_variant(turning, "exact", np.zeros((2, 2)))):
         with pytest.raises(InputError, match="does not change with the posture"):

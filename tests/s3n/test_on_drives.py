@@ -58,7 +58,7 @@ def test_drives_where_no_link_can_follow_are_refused() -> None:
         carried.at(np.array([[0.0, 40.0]]), still, still)
 
 
-def test_effects_act_at_the_drives_or_weigh_on_links_and_go_back_into_the_model() -> None:
+def test_effects_at_drives_and_links_go_back_into_the_model() -> None:
     given = read_model("four_bar")
     there = on_drives(given)
     offered = {key.effect for key in places(there)}

@@ -26,7 +26,7 @@ def test_limits_that_can_be_used_stay(name: str) -> None:
     assert found.left_out == () and found.of(model).closed_chain == model.closed_chain
 
 
-def test_what_lies_beyond_a_dead_point_is_left_out_with_the_reason() -> None:
+def test_what_lies_beyond_a_dead_point_is_left_out_and_told() -> None:
     model = _with_limits("four_bar", (-1.6, 1.6), (-1.0, 3.1))
     with pytest.raises(InputError):
         PostureDependent(model)

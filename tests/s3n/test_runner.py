@@ -34,7 +34,7 @@ def test_every_variant_runs(variant: str) -> None:
     np.testing.assert_allclose(run.time[1], 0.003)
 
 
-def test_the_loop_closed_by_constraints_is_near_the_exact_variant(exact: np.ndarray) -> None:
+def test_the_loop_closed_by_constraints_is_near_the_exact_one(exact: np.ndarray) -> None:
     torque = chirp_torque()
     stiff = ConstraintSettings(solref=(0.002, 1.0), solimp=(0.99, 0.999, 0.001, 0.5, 2.0))
     near, soft = (

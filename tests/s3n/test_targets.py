@@ -44,7 +44,7 @@ def test_only_what_is_named_is_lost(target: str) -> None:
     assert "exact" in (comment.text or "") or "leg" in (comment.text or "")
 
 
-def test_springs_and_damping_that_are_no_lines_are_cut_and_named() -> None:
+def test_springs_and_damping_that_are_no_lines_are_named() -> None:
     xml = (
         '<mujoco><worldbody><body><joint name="j" damping="0.1 0.02 0" stiffness="3 0 1"/>'
         '<geom size="0.1"/></body></worldbody></mujoco>'
@@ -72,7 +72,7 @@ def test_rounding_is_no_loss(target: str) -> None:
     assert real == ("tendon t: damping beyond the linear (0.03)", *linear)
 
 
-def test_a_rotor_on_a_spatial_tendon_is_lost_in_other_solvers_too() -> None:
+def test_a_rotor_on_a_spatial_tendon_is_lost_elsewhere_too() -> None:
     xml = (
         '<mujoco><worldbody><site name="a" pos="0 0 1"/><body><joint name="j"/><geom size="0.1"/>'
         '<inertial pos="0 0 0.1" mass="1" diaginertia="0.01 0.01 0.01"/><site name="b"/></body></worldbody>'

@@ -114,7 +114,7 @@ def test_the_papers_table_at_a_right_angle(name: str) -> None:
     np.testing.assert_allclose((mass[0, 0], mass[0, 1], mass[1, 1]), PAPER[name], atol=1e-6)
 
 
-def test_without_a_compiled_model_it_is_the_tree_with_its_actuators_on_the_joints() -> None:
+def test_without_a_compiled_model_it_is_the_tree_with_actuators() -> None:
     q = np.array([[0.3, np.pi / 2]])
     mass = SerialTree(load_model("leg")).mass_matrix(q)[0]
     np.testing.assert_allclose(mass[[0, 0, 1], [0, 1, 1]], PAPER["leg_kin_only"], atol=1e-6)

@@ -89,7 +89,7 @@ def test_a_wrong_link_is_the_closed_chain_that_has_it(
     np.testing.assert_allclose(required_torque(plant, track), truth, atol=1e-6 * np.abs(truth).max())
 
 
-def test_slopes_are_those_of_the_torque_with_what_effects_change() -> None:
+def test_slopes_are_the_torque_s_with_what_effects_change() -> None:
     assert FOUR_BAR.closed_chain is not None
     track, _ = along(FOUR_BAR, ClosedChain(FOUR_BAR.closed_chain), seed=3)
     plant = compile_plant(on_drives(having(FOUR_BAR, EffectKey("payload_mass", None), mass=0.4)))
@@ -129,7 +129,7 @@ def test_columns_are_the_change_of_the_torque_that_is_needed(effect: str, axis: 
         np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * np.abs(slope).max())
 
 
-def test_the_file_of_the_serial_tree_is_not_where_a_closed_chain_has_its_masses() -> None:
+def test_a_chain_s_masses_are_not_in_the_serial_tree_s_file() -> None:
     wrong = having(FOUR_BAR, EffectKey("first_moment_error", "knee"), along=0.01, across=0.0)
     made = into_file(wrong, FOUR_BAR.serial)
     assert (made.changes, made.written, made.left) == ((), (), wrong.effects)

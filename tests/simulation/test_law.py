@@ -41,7 +41,7 @@ def test_a_loop_faster_than_its_log_is_known_by_its_mean(tmp_path: Path) -> None
     assert (off < 0.02 * np.sqrt(np.mean(mean**2, axis=0)) + 0.02).all()
 
 
-def test_a_reference_that_stands_still_between_rows_is_late_by_half_of_them(tmp_path: Path) -> None:
+def test_a_reference_still_between_rows_is_late_by_half(tmp_path: Path) -> None:
     file = bench_arm(tmp_path)
     plant, log = compile_plant(load_model(file)), logged(file, FAST, seconds=4.0, log_s=0.01, loop_s=0.001)
     held, smooth = (

@@ -144,7 +144,7 @@ def test_what_a_file_switches_off_stays_off(tmp_path: Path) -> None:
     assert np.abs(one.position - simulated(plain, asked).position).max() > 1e-3
 
 
-def test_less_than_a_file_states_may_be_added_and_no_less_than_none(tmp_path: Path) -> None:
+def test_less_than_stated_may_be_added_and_not_less_than_none(tmp_path: Path) -> None:
     own, plain = load_model(dry_arm(tmp_path)), load_model(dry_arm(tmp_path, "none", name="plain"))
     none = own
     for axis, loss in LOSS.items():

@@ -60,7 +60,7 @@ def test_a_contact_is_a_spring_and_a_damper_in_si_units(
     assert shots.force[0, 2] == pytest.approx(law, rel=3e-3)
 
 
-def test_a_foot_at_rest_carries_what_presses_it_and_holds_what_pulls_it() -> None:
+def test_a_foot_at_rest_carries_what_presses_and_pulls_it() -> None:
     depth = 50.0 / 1e5
     plant = compile_plant(MODEL, STEP, grounded=True)
     data = mujoco.MjData(plant.mujoco)

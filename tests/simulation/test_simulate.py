@@ -85,7 +85,7 @@ def test_a_delay_of_any_fraction_shifts_the_torque() -> None:
 
 
 @pytest.mark.parametrize("tap", ["torque_command", "torque_measured", "loop"])
-def test_an_open_loop_replays_the_torque_with_the_delay_it_still_has(tap: str) -> None:
+def test_an_open_loop_replays_the_torque_with_its_delay(tap: str) -> None:
     slow_drive = replace(EMPS, actuators=replace(EMPS.actuators, delay_s=0.007))
     late = having(slow_drive, EffectKey("command_delay", None), time=0.004)
     pulse = np.zeros((400, 1))
@@ -102,7 +102,7 @@ def test_an_open_loop_replays_the_torque_with_the_delay_it_still_has(tap: str) -
     np.testing.assert_array_equal(run.signals["torque_measured"], truth.signals["torque_measured"])
 
 
-def test_joint_coordinates_are_the_same_experiment_in_other_words() -> None:
+def test_joint_coordinates_are_the_same_experiment() -> None:
     asked = leg_experiment(0.5)
     j = LEG.transmission
     back = np.linalg.inv(j)
@@ -132,7 +132,7 @@ def test_a_joint_loop_is_an_actuator_loop_with_coupled_gains() -> None:
     )
 
 
-def test_feedforward_is_held_from_tick_to_tick_or_acts_row_by_row() -> None:
+def test_feedforward_is_held_between_ticks_or_acts_by_row() -> None:
     asked = leg_experiment(0.4)
     per_row = replace(asked, timing=replace(asked.timing, feedforward_held=False))
     held, free = (simulated(LEG, r).signals["torque_command"] for r in (asked, per_row))

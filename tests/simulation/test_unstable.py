@@ -55,7 +55,7 @@ def test_every_effect_at_its_worst_is_simulated_or_named(
     assert capfd.readouterr() == ("", "") and list(tmp_path.iterdir()) == []
 
 
-def test_an_inertia_that_a_held_damping_is_too_much_for_is_named() -> None:
+def test_an_inertia_that_a_held_damping_is_too_much_for() -> None:
     model = load_model("leg_kin_only")
     free = replace(model, actuators=replace(model.actuators, torque_limit=(np.inf, np.inf)))
     short = recording()

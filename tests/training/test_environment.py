@@ -99,7 +99,7 @@ def test_links_are_drawn_within_the_paper_s_table(name: str) -> None:
     np.testing.assert_array_equal(fields["body_mass"], again["body_mass"])
 
 
-def test_what_identification_left_open_differs_from_world_to_world() -> None:
+def test_what_identification_left_open_differs_by_world() -> None:
     key = EffectKey("viscous_damping", "knee")
     name = effect_named(key.effect).parameters[0].name
     found = AppliedEffect(key, {name: Estimate(0.05, 0.01, "N*m*s/rad")})

@@ -62,7 +62,7 @@ def simple(task: str, folder: Path, of: Model | None = None) -> PolicyBundle:
     return read_bundle(write_bundle(folder / "simple.zip", manifest, to_onnx(actor), made.xml, files))
 
 
-def test_a_run_on_virtual_hardware_is_a_recording_that_the_right_model_explains(tmp_path: Path) -> None:
+def test_a_run_on_hardware_is_explained_by_the_right_model(tmp_path: Path) -> None:
     result = evaluate(simple("reach", tmp_path), seconds=1.5, seed=1)
     assert result.fell_s is None and 0.02 < result.scores["rmse_rad"] < 0.3  # it lags behind
     save_recording(result.recording, tmp_path / "hardware.toml")
@@ -97,7 +97,7 @@ def test_a_machine_of_ones_own_is_evaluated_on_its_own_hardware(tmp_path: Path) 
     assert comparison.error < 1.3 * comparison.noise_error
 
 
-def test_a_policy_of_other_legs_does_not_walk_on_the_reference_quadruped(tmp_path: Path) -> None:
+def test_a_policy_of_other_legs_does_not_walk_on_the_reference(tmp_path: Path) -> None:
     made = machine("quadruped")
     other = tmp_path / "other.sdf"
     other.write_text(closed_chain_file("leg").read_text().replace("<mass>1.8", "<mass>1.9"))
@@ -108,7 +108,7 @@ def test_a_policy_of_other_legs_does_not_walk_on_the_reference_quadruped(tmp_pat
         ClosedChainPlant(legs)
 
 
-def test_recordings_of_a_quadruped_are_read_with_their_base_and_have_a_model(tmp_path: Path) -> None:
+def test_quadruped_recordings_are_read_with_base_and_model(tmp_path: Path) -> None:
     bundle = simple("pitch-in-place", tmp_path)
     result = evaluate(bundle, seconds=1.5, hardware=False)
     save_recording(result.recording, tmp_path / "simulation.toml")
@@ -124,7 +124,7 @@ def test_recordings_of_a_quadruped_are_read_with_their_base_and_have_a_model(tmp
     assert robot_files(simple("reach", tmp_path / "leg"), tmp_path) == {}
 
 
-def test_the_quadruped_stands_on_the_hardware_as_in_the_simulation(tmp_path: Path) -> None:
+def test_the_quadruped_stands_on_hardware_as_in_simulation(tmp_path: Path) -> None:
     made = simple("pitch-in-place", tmp_path)
     for hardware in (True, False):
         result = evaluate(made, seconds=1.5, hardware=hardware)

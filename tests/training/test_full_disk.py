@@ -24,7 +24,7 @@ def fails(disk: Disk, iterations: int, **others) -> WorkbenchError | None:
     return None
 
 
-def test_a_run_that_goes_on_keeps_its_checkpoint_and_the_curve_up_to_it(tmp_path: Path) -> None:
+def test_a_run_that_goes_on_keeps_its_checkpoint_and_curve(tmp_path: Path) -> None:
     run(tmp_path / "before", 2)
     for disk in sweep(tmp_path):
         folder = disk.folder / "run"
@@ -37,7 +37,7 @@ def test_a_run_that_goes_on_keeps_its_checkpoint_and_the_curve_up_to_it(tmp_path
         assert rows[:done] == list(range(1, done + 1)), "no row of what the checkpoint has done is missing"
 
 
-def test_a_run_begun_anew_keeps_the_old_one_until_it_can_be_written(tmp_path: Path) -> None:
+def test_a_run_begun_anew_keeps_the_old_one_until_written(tmp_path: Path) -> None:
     run(tmp_path / "before", 2)
     old = files(tmp_path / "before")
     for disk in sweep(tmp_path):

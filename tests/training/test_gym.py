@@ -34,7 +34,7 @@ def test_vector_environment() -> None:
     np.testing.assert_array_equal(env.reset(seed=3)[0], first)
 
 
-def test_the_last_observation_of_an_episode_is_kept_where_it_is_asked_for() -> None:
+def test_the_last_observation_is_kept_where_it_is_asked_for() -> None:
     env = environment("reach")
     env.keep_final = True
     env.steps[:] = env.task.episode_steps - 1.0

@@ -55,7 +55,7 @@ def test_what_is_injected_is_not_in_the_file_and_the_rest_is() -> None:
     np.testing.assert_array_equal(made.mujoco.tendon_armature, plain.mujoco.tendon_armature)
 
 
-def test_a_restart_forgets_the_acceleration_and_a_state_keeps_it() -> None:
+def test_a_restart_forgets_the_acceleration_a_state_keeps_it() -> None:
     worlds, made = started("quadruped"), machine("quadruped", EXPLICIT)
     qpos, qvel = np.array(worlds.qpos), np.zeros_like(worlds.qvel)
     qpos[:, 2] = made.height - 0.002

@@ -78,7 +78,7 @@ def test_the_run_writes_down_what_it_was(tmp_path: Path) -> None:
     assert sum(entry["size"] for entry in config["observations"]) == 18
 
 
-def test_the_run_s_model_reads_back_with_all_that_its_mjcf_draws_in(tmp_path: Path) -> None:
+def test_the_run_s_model_reads_back_with_all_its_files(tmp_path: Path) -> None:
     model = load_model(leg_in_pieces(tmp_path / "own"))
     leg, settings = make_machine("leg", model, "s3n_full"), Settings(worlds=2, iterations=0, threads=1)
     learn(TASKS["reach"], leg, settings, tmp_path / "run", extra={"record": None})

@@ -59,7 +59,7 @@ def test_it_is_normalised_for_three_targets(limb: Path) -> None:
         assert all("e-1" not in each for each in lost), lost
 
 
-def test_its_policy_comes_back_as_recordings_that_its_model_explains(limb: Path) -> None:
+def test_its_policy_comes_back_as_recordings_that_it_explains(limb: Path) -> None:
     done = run(
         "train", "mine.toml", "--model", "own.toml", "--unverified", "--envs", 8, "-o", "run", cwd=limb
     )

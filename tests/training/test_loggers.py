@@ -42,7 +42,7 @@ def test_without_a_logger_the_csv_file_is_there(tmp_path: Path) -> None:
     assert not (tmp_path / "tensorboard").exists()
 
 
-def test_weights_and_biases_is_told_each_row_and_a_resumed_run_goes_on(
+def test_weights_and_biases_is_told_each_row_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By the calls that the package wandb documents: init, log, finish."""

@@ -142,7 +142,7 @@ def _on_its_ground(**effects: dict[str, Estimate]) -> Model:
     return replace(leg, effects=(*leg.effects, *added))
 
 
-def test_friction_of_the_ground_that_was_found_is_under_all_feet() -> None:
+def test_friction_found_of_the_ground_is_under_all_feet() -> None:
     found = _on_its_ground(ground_friction={"coefficient": Estimate(0.31, 0.02, "1")})
     made = make_machine("quadruped", found)
     assert made.left_out == ()
@@ -162,7 +162,7 @@ def test_friction_of_the_ground_that_was_found_is_under_all_feet() -> None:
     assert data.ncon == 4 and np.hypot(*total[1:]) == pytest.approx(0.31 * total[0], rel=0.02)
 
 
-def test_a_floor_that_gives_way_is_laid_where_the_step_is_short_enough_for_it() -> None:
+def test_a_floor_that_gives_way_is_laid_under_a_short_step() -> None:
     soft = {"stiffness": Estimate(1500.0, 0.0, "N/m"), "damping": Estimate(5.0, 0.0, "N*s/m")}
     made = make_machine("quadruped", _on_its_ground(contact_compliance=soft))
     assert made.left_out == ()

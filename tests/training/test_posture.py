@@ -56,7 +56,7 @@ def test_it_has_no_variants_and_no_quadruped() -> None:
         make_machine("quadruped", read_model("ankle"))
 
 
-def test_its_policy_runs_in_its_closed_chain_and_compare_takes_the_recording(trained: Path) -> None:
+def test_its_policy_runs_in_its_chain_and_compare_takes_it(trained: Path) -> None:
     bundle = read_bundle(trained / "run" / "bundle.zip")
     assert bundle.control.map is not None
     done = run("evaluate", "run/bundle.zip", "-o", "evaluated", "--seconds", 1.5, cwd=trained)
@@ -70,7 +70,7 @@ def test_its_policy_runs_in_its_closed_chain_and_compare_takes_the_recording(tra
         assert result.consistent and result.error < 1.1 * result.noise_error
 
 
-def test_limits_that_no_plain_tree_fits_are_refused_with_what_to_do(trained: Path) -> None:
+def test_limits_that_no_plain_tree_fits_are_refused(trained: Path) -> None:
     near = (trained / "ankle.toml").read_text()
     assert "limits = [[-0.5, 0.4], [-0.25, 0.25]]" in near
     wide = near.replace("limits = [[-0.5, 0.4], [-0.25, 0.25]]", "limits = [[-0.9, 0.9], [-0.4, 0.4]]")
@@ -80,7 +80,7 @@ def test_limits_that_no_plain_tree_fits_are_refused_with_what_to_do(trained: Pat
     assert "--allow-error" not in str(raised.value)
 
 
-def test_it_is_deployed_over_the_virtual_bus_and_the_run_comes_back_as_a_recording(trained: Path) -> None:
+def test_it_is_deployed_over_the_virtual_bus_and_recorded(trained: Path) -> None:
     bundle = read_bundle(trained / "run" / "bundle.zip")
     limits = {"position": [-3.0, 3.0], "velocity": 40.0, "torque": 20.0}
     ranges = {"position": 12.5, "velocity": 45.0, "torque": 24.0, "source": "label of the drive"}

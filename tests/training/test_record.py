@@ -35,9 +35,7 @@ def test_a_model_that_explains_the_data_may_train(recordings: list, tmp_path: Pa
     ]
 
 
-def test_a_record_is_stale_where_a_file_that_the_mjcf_draws_in_changed(
-    recordings: list, tmp_path: Path
-) -> None:
+def test_a_record_is_stale_where_a_file_of_the_mjcf_changed(recordings: list, tmp_path: Path) -> None:
     model = load_model(leg_in_pieces(tmp_path))
     record = make_record(model, recordings, samples=5)
     assert objections(record, model, "exact") == []

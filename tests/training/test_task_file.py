@@ -93,7 +93,7 @@ def test_it_trains_and_its_bundle_is_evaluated_as_that_task(tmp_path: Path) -> N
     np.testing.assert_allclose(result.recording.signals["position_reference"][0], [-0.4, 1.2])
 
 
-def test_what_falls_as_soon_as_it_begins_is_refused_after_some_iterations(tmp_path: Path) -> None:
+def test_what_falls_at_once_is_refused_after_some_iterations(tmp_path: Path) -> None:
     made = machine("quadruped")
     tall = replace(made, height=made.height / 3.0)  # begins inside of the ground, and on its side it ends
     assert made.lowest == pytest.approx(0.18, abs=1e-4)

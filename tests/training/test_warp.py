@@ -14,7 +14,7 @@ from .make import actions, machine
 WORLDS = 3
 
 
-def test_both_engines_give_the_same_steps_with_every_world_randomised() -> None:
+def test_both_engines_step_alike_with_every_world_randomised() -> None:
     wp.config.optimization_level = 0  # compiling takes longer than running
     from workbench.training.warp_worlds import WarpWorlds
 

@@ -30,7 +30,7 @@ def bench(leg_folder: Path, tmp_path: Path) -> Bench:
     return bench
 
 
-def test_the_error_is_that_of_compare_and_falls_with_the_right_effect(bench: Bench, leg_folder: Path) -> None:
+def test_the_error_is_compare_s_and_falls_with_the_effect(bench: Bench, leg_folder: Path) -> None:
     chosen = bench.chosen
     assert chosen is not None
     before = bench.error(chosen, bench.simulate(bench.model, chosen, [0, 1]))
@@ -130,7 +130,7 @@ def test_the_report_names_every_file_that_was_read(bench: Bench) -> None:
         assert re.search(rf"{re.escape(name)}</th><td><code>[0-9a-f]{{64}}<", page), name
 
 
-def test_the_report_of_a_changed_model_claims_no_command_for_the_file_s(bench: Bench) -> None:
+def test_the_report_of_a_changed_model_claims_no_command(bench: Bench) -> None:
     assert bench.chosen is not None
     plain = bench.compare(bench.model, bench.chosen)
     bench.diagnosed = bench.model
@@ -205,7 +205,7 @@ def test_a_saved_report_is_of_the_model_as_it_is(live: Live, loop: Loop) -> None
     assert "CHANGED.toml" in (bench.folder / "report.html").read_text()
 
 
-def test_a_report_that_was_asked_for_is_not_saved_after_something_went_wrong(live: Live, loop: Loop) -> None:
+def test_a_report_is_not_saved_after_something_went_wrong(live: Live, loop: Loop) -> None:
     live.choose("leg", ("slow",), None)
     loop.until(lambda: live.now and not live.now.comparison and live.bench.chosen)
     saving = Saving(live)

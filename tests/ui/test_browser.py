@@ -67,7 +67,7 @@ def error(chrome: Chrome) -> float:
     return float(chrome.ask("deep('dd.error').textContent"))
 
 
-def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
+def test_an_effect_is_added_with_a_click_and_the_error_falls(
     server: tuple[str, Path], chrome: Chrome
 ) -> None:
     address, folder = server

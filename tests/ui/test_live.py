@@ -22,7 +22,7 @@ def friction(torque: float) -> AppliedEffect:
     return AppliedEffect(KNEE, {"torque": Estimate(torque, 0.01, "N*m")})
 
 
-def test_runs_follow_the_model_and_the_noise_follows_when_it_rests(live: Live, loop: Loop) -> None:
+def test_runs_follow_the_model_and_the_noise_when_it_rests(live: Live, loop: Loop) -> None:
     heard: list[str] = []
     end = live.listen(heard.append)
     live.choose("leg", ("slow", "validation"), None)

@@ -11,7 +11,7 @@ from workbench.s3n import drive_map
 from workbench.ui.motion import moving_picture
 
 
-def test_links_follow_drives_whose_transmission_changes_with_the_posture() -> None:
+def test_links_follow_drives_whose_transmission_changes() -> None:
     model = read_model("ankle")
     own, count = drive_map(model), 100
     assert own is not None and model.closed_chain is not None

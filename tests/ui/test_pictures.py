@@ -22,7 +22,7 @@ def test_thinning_keeps_peaks_and_gaps() -> None:
     assert inside.any() and np.isnan(thin[inside]).all() and np.isfinite(thin[times < 10.4]).all()
 
 
-def test_the_map_shows_friction_where_the_knee_moves_and_noise_elsewhere() -> None:
+def test_the_map_shows_friction_where_the_knee_moves() -> None:
     entries = build.comparison(0.0).recordings
     found = residual_map(entries, ("hip", "knee"), "speed", 0)
     assert found.rows == (("hip", "position"), ("hip", "torque"), ("knee", "position"), ("knee", "torque"))

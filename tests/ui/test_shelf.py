@@ -67,7 +67,7 @@ def test_a_description_that_changed_is_read_again(folder: Path) -> None:
 _ARM = """<mujoco><worldbody><body><joint name="a"/><geom size="0.1"/></body></worldbody></mujoco>"""
 
 
-def test_a_folder_s_robots_are_offered_before_the_shipped_models(folder: Path) -> None:
+def test_a_folder_s_robots_come_before_the_shipped_models(folder: Path) -> None:
     (folder / "arm.xml").write_text(_ARM)
     (folder / "one" / "hand.urdf").write_text("<robot name='hand'><joint name='a' type='revolute'/></robot>")
     (folder / "notes.xml").write_text("<notes><joint/></notes>")

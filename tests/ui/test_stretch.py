@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from workbench.ui.live import Live
 
 
-def test_what_is_in_sight_follows_first_and_is_what_the_whole_run_has_there(
+def test_what_is_in_sight_follows_first_and_is_the_whole_run_s(
     live: Live, loop: Loop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     live.choose("leg", ("slow",), None)

@@ -46,7 +46,7 @@ def test_the_verdict_follows_the_numbers(found: list[FrfComparison]) -> None:
     assert wrong.tone == "missing_effect" and "4.0 times the measurement's uncertainty" in wrong.sentence
 
 
-def test_a_model_without_a_closed_chain_is_judged_by_its_best_tree(found: list[FrfComparison]) -> None:
+def test_a_model_without_a_chain_is_judged_by_its_best_tree(found: list[FrfComparison]) -> None:
     c = found[0]
     bare = replace(
         c,

@@ -43,7 +43,7 @@ def against_another(folder: Path, *changes: tuple[str, str, str]) -> set[str]:
     return failures(posture_checks(replace(subject, model=read_model(made(folder, *changes))), 0))
 
 
-def test_the_five_bar_agrees_in_every_engine_and_states_what_plain_mjcf_costs() -> None:
+def test_the_five_bar_agrees_in_every_engine() -> None:
     result = verify(read_model("five_bar"), samples=12)
     assert result.passed, failures(result.checks)
     exact = {c.name: c.value for c in result.checks}
@@ -84,7 +84,7 @@ def test_drives_in_the_wrong_order(tmp_path: Path) -> None:
     assert "transmission" in failures(result.checks)
 
 
-def test_limits_that_the_mechanism_cannot_reach_are_left_out_and_told(tmp_path: Path) -> None:
+def test_limits_the_mechanism_cannot_reach_are_left_out(tmp_path: Path) -> None:
     result = broken(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.6, -1.2]"))
     assert result.passed
     assert any(line.startswith("knee_1 from -2.6 to ") for line in result.not_checked)

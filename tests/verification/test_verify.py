@@ -141,7 +141,7 @@ def test_identified_numbers_may_differ_by_what_is_allowed(tmp_path: Path) -> Non
     assert verify(model, samples=5, tolerance=0.01).passed
 
 
-def test_velocity_terms_of_a_balanced_link_are_nothing_and_not_a_breach(tmp_path: Path) -> None:
+def test_velocity_terms_of_a_balanced_link_are_no_breach(tmp_path: Path) -> None:
     """A link whose mass lies on its axis has no velocity terms: what rounding leaves of them is none."""
     (tmp_path / "wheel.xml").write_text(
         """<mujoco><worldbody><body name="arm"><joint name="arm" axis="0 1 0"/>

@@ -49,7 +49,7 @@ def test_three_that_are_alike_have_one_size(tmp_path: Path) -> None:
     assert len(set(sizes.values())) == 1
 
 
-def test_what_is_strange_on_one_of_three_alike_does_not_hide_what_all_have(tmp_path: Path) -> None:
+def test_what_is_strange_on_one_does_not_hide_what_all_have(tmp_path: Path) -> None:
     found = told(tmp_path, lambda q, w: -0.15 * w**2)
     assert {str(f.key) for f in found.findings} == {f"viscous_damping@{a}" for a in AXES}
     for finding in found.findings:
@@ -58,7 +58,7 @@ def test_what_is_strange_on_one_of_three_alike_does_not_hide_what_all_have(tmp_p
 
 
 @pytest.mark.parametrize(("size", "named"), [(0.3, True), (0.45, False)])
-def test_a_stranger_that_changes_the_size_of_a_law_takes_its_name(
+def test_a_stranger_that_changes_a_law_s_size_takes_its_name(
     tmp_path: Path, size: float, named: bool
 ) -> None:
     """Where the law still explains nine tenths of what any curve does, its interval covers the truth."""

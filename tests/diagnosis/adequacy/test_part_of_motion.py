@@ -52,7 +52,7 @@ def test_a_rough_patch_alone_is_no_known_effect(tmp_path: Path) -> None:
     assert found.verdict == "unexplained" and not found.findings
 
 
-def test_a_whole_recording_that_differs_is_no_part_of_the_motion() -> None:
+def test_a_recording_that_differs_is_no_part_of_the_motion() -> None:
     random = np.random.default_rng(0)
     moved = [random.uniform(-1.0, 1.0, 400) for _ in range(3)]
     law = np.concatenate(moved)

@@ -41,7 +41,7 @@ def test_the_mean_of_an_unknown_torque_is_no_torque_bias(tmp_path: Path) -> None
     assert list(found) == ["viscous_damping@lift"]
 
 
-def test_an_inertia_beside_a_tone_that_moves_the_machine_has_its_own_size(tmp_path: Path) -> None:
+def test_an_inertia_beside_a_tone_has_its_own_size(tmp_path: Path) -> None:
     machine = bench_arm(tmp_path, "machine", bend_armature=NUMBERS["bend_armature"] + 0.03)
     logs = []
     for k, tones in enumerate((SLOW, FAST)):

@@ -75,13 +75,13 @@ def test_recordings_whose_torque_is_in_another_unit_disagree() -> None:
     assert state_units([replace(found, meaning="")]) is None  # a load or a day is no unit
 
 
-def test_a_torque_a_hundred_times_too_large_is_in_newton_centimetres() -> None:
+def test_a_torque_a_hundred_times_too_large_is_in_ncm() -> None:
     (found,) = differing_units([in_unit("monday", 100.0), in_unit("tuesday", 1.0)])
     assert found.meaning == "N cm and N m"
 
 
 @pytest.mark.parametrize("torque", [8.8507, np.array([1.6, 1.0]), 1.1])
-def test_what_is_alike_in_all_recordings_or_of_one_axis_is_no_disagreement(
+def test_what_is_alike_in_all_or_of_one_axis_is_no_dispute(
     torque: np.ndarray | float,
 ) -> None:
     others = in_unit("tuesday", torque if torque == pytest.approx(8.8507) else 1.0)

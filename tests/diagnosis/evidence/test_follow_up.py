@@ -53,7 +53,7 @@ def test_the_command_makes_an_experiment_of_that_band(
     assert load_design(tmp_path / "next.toml").axes == LEG.axes
 
 
-def test_without_torque_in_the_log_an_experiment_is_as_hard_as_its_loop_was(logs: list[Recording]) -> None:
+def test_without_torque_an_experiment_is_as_hard_as_its_loop(logs: list[Recording]) -> None:
     hidden = ("torque_command", "torque_measured")
     silent = [
         replace(r, signals={name: x for name, x in r.signals.items() if name not in hidden}) for r in logs
@@ -76,11 +76,11 @@ def test_what_sits_at_a_time_is_asked_for_again(logs: list[Recording]) -> None:
     assert "repeat the same run" in said and "workbench excite" not in said
 
 
-def test_a_machine_that_follows_no_reference_gets_the_advice_alone(logs: list[Recording]) -> None:
+def test_a_machine_without_a_reference_gets_the_advice_alone(logs: list[Recording]) -> None:
     free = replace(LEG, controller=Controller("none"))
     said = follow_up(free, rest("position", 0.4, 0.5), logs)
     assert "slowly" in said and "workbench excite" not in said
 
 
-def test_where_nothing_is_known_of_the_place_all_kinds_are_asked_for(logs: list[Recording]) -> None:
+def test_where_the_place_is_unknown_all_kinds_are_asked_for(logs: list[Recording]) -> None:
     assert "multisine" in follow_up(LEG, [], logs)

@@ -62,7 +62,7 @@ def test_more_motion_tells_more(data: Data) -> None:
     assert 1.0 <= small < large
 
 
-def test_the_command_that_is_proposed_runs_and_keeps_its_promise(data: Data, tmp_path: Path) -> None:
+def test_the_proposed_command_runs_and_keeps_its_promise(data: Data, tmp_path: Path) -> None:
     from typer.testing import CliRunner
 
     from workbench.cli.app import app

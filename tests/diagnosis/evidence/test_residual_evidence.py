@@ -139,7 +139,7 @@ def test_a_soft_joint_is_a_pair_that_the_model_has_not() -> None:
     assert delay_line(periodic(COMPLIANCE), None, "input") == []
 
 
-def test_a_measured_coupling_is_a_pair_that_a_rigid_model_has_not(tmp_path: Path) -> None:
+def test_a_measured_coupling_is_a_pair_no_rigid_model_has(tmp_path: Path) -> None:
     model, recording = two_mass(tmp_path)
     measured = load_recording(recording)
     run_of_it = replay_of(load_model(model), (measured,)).with_noise(load_model(model), 0, 2).clean
@@ -284,7 +284,7 @@ def stage_of(ranking: tuple[tuple[EffectKey, float], ...], model: Model) -> Any:
     )
 
 
-def test_what_nothing_drives_lacks_no_torque_in_proportion_to_its_load(tmp_path: Path) -> None:
+def test_what_nothing_drives_lacks_no_torque_by_its_load(tmp_path: Path) -> None:
     """All that is lacking where no torque is measured is what the model needs there."""
     model, log = load_model(bench_arm(tmp_path)), logged(bench_arm(tmp_path), seconds=3.0)
     undriven = log.with_signals(

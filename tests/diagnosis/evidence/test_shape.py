@@ -53,7 +53,7 @@ def test_a_function_of_position_is_followed_whatever_its_form() -> None:
     assert found[0].std.max() < 0.08 and np.nanmax(np.abs(found[0].seen - found[0].torque)) < 0.1
 
 
-def test_a_torque_between_two_axes_is_a_function_of_both_positions() -> None:
+def test_a_torque_between_axes_is_a_function_of_both() -> None:
     quiet = lacking()
     found = shapes(with_torque(quiet, 1.5 * quiet.position[:, 0] * quiet.position[:, 1]), "knee")
     assert found[0].quantities == ("position", "the position of hip") and found[0].share > 0.9

@@ -56,7 +56,7 @@ def test_what_may_not_move_stays_however_large_it_is() -> None:
     assert np.isclose(found[1], -4e4)
 
 
-def test_what_rounding_took_below_nothing_is_solved_all_the_same() -> None:
+def test_what_rounding_took_below_nothing_is_solved_too() -> None:
     """Normal equations of all rows less those of most of them are what two large numbers leave."""
     gram = np.array([[1.0, 1.001], [1.001, 1.0]])
     assert np.linalg.eigvalsh(gram)[0] < 0.0

@@ -39,7 +39,7 @@ def test_it_is_what_pairs_of_runs_typically_differ_by() -> None:
     assert parted(0.1, -0.1, 0.1, -0.1) == pytest.approx(0.01 * np.ones((1, 2, 2)))
 
 
-def test_one_end_that_lands_on_another_motion_says_nothing_of_the_middle() -> None:
+def test_one_end_on_another_motion_says_nothing_of_the_middle() -> None:
     assert parted(0.1, -0.1, 0.1, 50.0)[0, 0, 0] < 0.1
 
 

@@ -42,7 +42,7 @@ def test_the_right_one_wins_and_the_hopeless_fall_behind(lacking: tuple[Data, Fi
     assert shares[0] == pytest.approx(1.0, abs=0.05) and shares[1] is not None and shares[1] < 0.5
 
 
-def test_a_loop_that_runs_away_takes_no_part_though_its_numbers_are_finite(
+def test_a_loop_that_runs_away_takes_no_part(
     lacking: tuple[Data, Fit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data, _ = lacking

@@ -24,7 +24,7 @@ def test_what_is_left_is_that_of_fits_without_each_block() -> None:
     np.testing.assert_allclose(found.left, left, rtol=1e-9)
 
 
-def test_of_noise_the_heaviest_penalty_leaves_least_and_of_a_law_the_lightest() -> None:
+def test_noise_takes_the_heaviest_penalty_a_law_the_lightest() -> None:
     random = np.random.default_rng(1)
     columns = random.normal(size=(BLOCKS, ROWS, 8))
     noise = random.normal(size=(BLOCKS, ROWS))

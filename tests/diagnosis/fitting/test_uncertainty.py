@@ -20,7 +20,7 @@ def harmonics(generator: np.random.Generator) -> np.ndarray:
     return np.sum(parts, axis=0)
 
 
-def test_of_a_motion_that_repeats_itself_they_come_from_its_phases() -> None:
+def test_of_a_motion_that_repeats_they_come_from_its_phases() -> None:
     data = replace(made([ROWS], 1), motion_periods=(PERIOD,))
     limits = np.full(3, -np.inf), np.full(3, np.inf)
     generator = np.random.default_rng(0)

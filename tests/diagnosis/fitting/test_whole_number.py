@@ -14,7 +14,7 @@ from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
 
-def test_a_rotor_that_differs_by_less_than_a_thousandth_is_not_another_one() -> None:
+def test_a_rotor_off_by_less_than_a_thousandth_is_the_same() -> None:
     leg = load_model("leg")
     data = asked(leg, *recordings(HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4}))).data
     own = leg.actuators.inertia[0]

@@ -35,7 +35,7 @@ def root(problem: Problem) -> Node:
     return Node(problem.start, problem.data)
 
 
-def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> None:
+def test_a_gap_is_taken_at_the_torque_s_word_then_the_spring() -> None:
     problem = asked(LEG, *recordings(*BOTH))
     data, linearisation = problem.data, problem.linearisation
     # what stands for the spring as long as that is missing may come after the gap, by how the noise falls
@@ -52,7 +52,7 @@ def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> N
     assert GAP not in found and EffectKey("backlash", "knee", "joint") not in found
 
 
-def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
+def test_a_spring_is_taken_beside_a_delay_that_hides_it() -> None:
     """By itself it hardly lowers the error of held-out motion; both are what is missing."""
     problem = asked(LEG, *recordings(*SPRING_AND_DELAY))
     (step,) = compliance_from_torque(root(problem), problem, most=PLAIN)
@@ -78,7 +78,7 @@ def test_what_gives_way_already_asks_for_no_more() -> None:
     assert not compliance_candidates(problem.linearisation, 1.0)
 
 
-def test_what_the_torque_at_a_gap_does_not_show_begins_where_the_loop_before_had_it() -> None:
+def test_what_the_torque_does_not_show_begins_as_the_loop_had() -> None:
     weight = EffectKey("linkage_gravity", None)
     friction = applied(LEG, EffectKey("coulomb_friction", "knee"), torque=0.1)
     now = Hypothesis(LEG, (friction, applied(LEG, weight, g1=0.0, g2=0.13)))

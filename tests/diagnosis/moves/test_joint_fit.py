@@ -17,7 +17,7 @@ from workbench.diagnosis.problem import evaluated
 from workbench.models import AppliedEffect
 
 
-def test_friction_beside_a_large_hum_takes_up_little_of_the_damping_that_the_hum_hides() -> None:
+def test_friction_beside_a_hum_takes_little_of_the_damping() -> None:
     runs = recorded((1.5, 0.8, 0.4), [2.0, 1.5, 1.0], np.array([0.0, 1.5, 0.0]), loop=False)
     told = diagnose(gantry(3), runs[:2], runs[2:])
     assert told.verdict == "partly_explained"

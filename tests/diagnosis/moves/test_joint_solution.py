@@ -48,7 +48,7 @@ def test_friction_is_certain_though_a_hum_stays_on_all_axes(loop: bool) -> None:
     assert 0.05 < told.unexplained_fraction < 0.5
 
 
-def test_a_larger_stranger_on_one_axis_takes_nothing_from_the_others() -> None:
+def test_a_larger_stranger_on_one_axis_takes_nothing_elsewhere() -> None:
     told = diagnosed((1.5, 0.8, 0.4, 0.2), np.array([0.0, 0.0, 0.0, 2.0]))
     assert told.verdict == "partly_explained"
     assert {f"coulomb_friction@{a}" for a in "xyz"} <= {str(f.key) for f in told.findings}
@@ -61,7 +61,7 @@ def test_a_hum_alone_has_no_name() -> None:
     assert (told.verdict, told.findings) == ("unexplained", ())
 
 
-def test_friction_and_damping_are_solved_together_and_a_second_run_adds_nothing() -> None:
+def test_friction_and_damping_are_solved_together_and_once() -> None:
     coulomb, damping = (1.5, 0.8, 0.4, 0.2), (6.0, 3.0, 1.5, 0.8)
     runs = recorded(coulomb, damping, np.array([0.3, 0.1, 0.0, 0.0]), loop=False)
     result, better = improve(gantry(4), runs[:2], runs[2:])
@@ -74,7 +74,7 @@ def test_friction_and_damping_are_solved_together_and_a_second_run_adds_nothing(
     assert again.steps == ()
 
 
-def test_what_moves_the_machine_otherwise_than_it_moved_is_left_out() -> None:
+def test_what_moves_the_machine_otherwise_is_left_out() -> None:
     model, runs = gantry(2), recorded((1.5, 0.8), (0.0, 0.0), np.zeros(2))
     problem = asked(model, runs[:2], runs[2:])
     friction = [
@@ -88,7 +88,7 @@ def test_what_moves_the_machine_otherwise_than_it_moved_is_left_out() -> None:
     assert confirmed(with_spring, problem, certain=True).free == both.free
 
 
-def test_of_what_explains_the_torque_to_the_noise_only_what_lowers_the_error_in_the_loop_stays() -> None:
+def test_of_what_explains_the_torque_only_what_helps_stays() -> None:
     """What is certain by itself stays as long as all of it together lowers the error."""
     model, runs = gantry(2), recorded((1.5, 0.8), (0.0, 0.0), np.zeros(2))
     problem = asked(model, runs[:2], runs[2:])
@@ -102,7 +102,7 @@ def test_of_what_explains_the_torque_to_the_noise_only_what_lowers_the_error_in_
     assert confirmed(all_three, problem, certain=False).free == friction
 
 
-def test_a_body_at_the_centre_of_a_link_is_not_told_from_its_mass(tmp_path: Path) -> None:
+def test_a_body_at_a_link_s_centre_is_not_told_from_its_mass(tmp_path: Path) -> None:
     """So it is not certain beside something unknown."""
     file = bench_arm(tmp_path, fore_centre=0.3)  # where the payload sits
     model = load_model(bench_arm(tmp_path, "model", fore_centre=0.3, fore_mass=1.0))
@@ -115,7 +115,7 @@ def test_a_body_at_the_centre_of_a_link_is_not_told_from_its_mass(tmp_path: Path
 
 
 @pytest.mark.parametrize("friction", [0.0, 3.0])
-def test_torque_constants_of_drives_of_one_make_are_as_many_numbers(friction: float, tmp_path: Path) -> None:
+def test_torque_constants_of_drives_of_one_make_are_several(friction: float, tmp_path: Path) -> None:
     """All give 0.85 of what is measured: no masses, rotors and frictions of all axes stand for it."""
 
     def resisting(_: np.ndarray, speed: np.ndarray) -> np.ndarray:

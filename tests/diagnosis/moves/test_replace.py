@@ -16,7 +16,7 @@ PIN, DRIVE = (EffectKey("joint_compliance", "knee", place) for place in ("joint"
 DELAY = EffectKey("sensor_delay", None)
 
 
-def test_a_spring_at_the_drive_is_found_where_one_in_the_pin_was_taken_before_the_delay() -> None:
+def test_a_spring_at_the_drive_is_found_instead_of_the_pin_s() -> None:
     pin, late = applied(LEG, PIN, stiffness=85.0, damping=0.1), applied(LEG, DELAY, time=0.0012)
     problem = asked(LEG, *recordings(*SPRING_AND_DELAY))
     found = explored_from(problem, pin, late, loss_ratios=((DRIVE, 1.007),))

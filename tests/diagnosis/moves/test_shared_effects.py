@@ -145,7 +145,7 @@ def fitted(*effects: tuple[str, str]) -> tuple[Fit, Data]:
     return whole, data
 
 
-def test_of_many_effects_those_without_which_little_more_stays_are_left_out() -> None:
+def test_effects_without_which_little_more_stays_are_left_out() -> None:
     whole, data = fitted(("viscous_damping", "damping"), ("reflected_inertia", "inertia"))
     effects = [a.key.effect for a in needed(whole, data).hypothesis.free]
     assert effects == ["viscous_damping"] * 3

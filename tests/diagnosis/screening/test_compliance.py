@@ -64,14 +64,14 @@ def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect
         assert found.shape[name] == pytest.approx(value, rel=0.15), name
 
 
-def test_a_spring_is_asked_beside_a_gap_that_follows_the_torque_closer() -> None:
+def test_a_spring_is_asked_beside_a_gap_that_follows_closer() -> None:
     spring = HiddenEffect("joint_compliance", "knee", "joint", {"stiffness": 123.3, "damping": 0.19})
     made = linearisation(spring)
     left = {c.key.effect: c.test_loss for c in compliance_candidates(made, 1.0)}
     assert left["joint_compliance"] > 5 * left["backlash"], "what gaps pass on is drawn to the torque"
 
 
-def test_a_second_spring_is_asked_for_with_the_first_which_was_fitted_to_both() -> None:
+def test_a_second_spring_is_asked_with_the_first() -> None:
     hip = HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 500.0, "damping": 1.0})
     knee = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 300.0, "damping": 0.4})
     keys = [EffectKey(h.effect, h.axis) for h in (hip, knee)]

@@ -89,7 +89,7 @@ def test_longer_recordings_are_expected_to_tell_more(arm: tuple[Model, list[Reco
     assert long < short
 
 
-def test_recordings_of_two_machines_disagree_by_what_is_another_in_them(tmp_path: Path) -> None:
+def test_recordings_of_two_machines_disagree_by_the_difference(tmp_path: Path) -> None:
     machines = [bench_arm(tmp_path, f"arm_{d}", lift_damping=d) for d in (1.4, 2.4)]
     logs = [logged(m, FAST, seconds=6.0, seed=k) for k, m in enumerate(machines)]
     model = load_model(bench_arm(tmp_path))
@@ -101,7 +101,7 @@ def test_recordings_of_two_machines_disagree_by_what_is_another_in_them(tmp_path
     np.testing.assert_allclose(found.values, (0.6, 1.6), rtol=0.1)
 
 
-def test_one_recording_of_another_machine_disagrees_with_those_that_are_nearly_right(tmp_path: Path) -> None:
+def test_one_recording_of_another_machine_disagrees_when_near(tmp_path: Path) -> None:
     """Right recordings are a little off too, by far less than the other one."""
     bend = {"bend_damping": 1.2 * NUMBERS["bend_damping"]}
     machines = [bench_arm(tmp_path, f"arm_{d}", lift_damping=d, **bend) for d in (0.8, 0.8, 2.4)]

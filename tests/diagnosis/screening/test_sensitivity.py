@@ -25,7 +25,7 @@ def changes(model: Model) -> list[float]:
     return [t.change for t in trials if isinstance(t, FiniteDifference)]
 
 
-def test_a_coefficient_next_to_nothing_is_moved_as_far_as_its_like() -> None:
+def test_a_coefficient_next_to_nothing_is_moved_like_others() -> None:
     """The slope of runs that part by themselves, over a step of next to nothing, says nothing."""
     gap = applied(LEG, EffectKey("backlash", "knee"), gap=0.004, stiffness=400.0)
     small, large = (

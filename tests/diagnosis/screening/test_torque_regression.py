@@ -34,7 +34,7 @@ def entry(effect: str, axis: str, *linear: int) -> Entry:
     return Entry(EffectKey(effect, axis), {}, list(linear), None, 1.0)
 
 
-def test_axes_that_share_no_effect_are_solved_apart_to_the_same_end() -> None:
+def test_axes_that_share_no_effect_are_solved_apart() -> None:
     random = np.random.default_rng(0)
     columns, torque = np.zeros((ROWS, 3, 4)), random.normal(size=(ROWS, 3))
     for axis, column in ((0, 0), (1, 1), (0, 2), (1, 2), (2, 3)):  # the third acts on two axes
@@ -55,7 +55,7 @@ def test_axes_that_share_no_effect_are_solved_apart_to_the_same_end() -> None:
     np.testing.assert_allclose(found.validated, left / ROWS, rtol=1e-5)
 
 
-def test_what_explains_another_part_is_no_other_name_however_much_stays_unknown() -> None:
+def test_what_explains_another_part_is_no_other_name() -> None:
     random = np.random.default_rng(1)
     own, apart, unknown = np.linalg.qr(random.normal(size=(ROWS, 3)))[0].T
     nearly = own + 0.05 * random.normal(size=ROWS) * np.abs(own).mean()
