@@ -133,7 +133,7 @@ def test_an_answer_to_pushes_has_no_turn_and_no_stride_in_it() -> None:
 
 def test_runs_are_computed_once(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     transfer_study.main(["jump", "--quick", "--out", str(study)])
-    monkeypatch.setattr(transfer_runs, "_jump", None)
+    monkeypatch.setattr(transfer_runs, "jump", None)
     transfer_study.main(["jump", "--quick", "--out", str(study)])
     other = Job(0.0, 99)
     with pytest.raises(TypeError):

@@ -25,9 +25,9 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Model:
 
 @pytest.fixture(autouse=True)
 def short_is_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, value in (("HELD", 1000), ("_SMALL", 0)):
+    for name, value in (("HELD", 1000), ("SMALL", 0)):
         monkeypatch.setattr(workbench.recordings.log, name, value)
-    monkeypatch.setattr(workbench.comparison.long, "_NUMBERS", 6_000)  # two seconds of three axes
+    monkeypatch.setattr(workbench.comparison.long, "NUMBERS", 6_000)  # two seconds of three axes
 
 
 def test_stretches_leave_what_the_whole_leaves(model: Model, tmp_path: Path) -> None:
@@ -62,8 +62,8 @@ def test_memory_does_not_grow_with_the_log(
     model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # what is kept of a log, however long it is, at these lengths
-    monkeypatch.setattr(workbench.comparison.long, "_KEPT", 1000)
-    monkeypatch.setattr(workbench.comparison.survey, "_SAMPLED", 1)
+    monkeypatch.setattr(workbench.comparison.long, "KEPT", 1000)
+    monkeypatch.setattr(workbench.comparison.survey, "SAMPLED", 1)
     peaks = []
     for seconds in (4.0, 4.0, 12.0):  # once to load what is loaded once
         sources = open_recordings(write_log(tmp_path, f"walk{len(peaks)}", seconds, legs=1))

@@ -1,8 +1,10 @@
 """The shipped models are found, and whoever asks for another is told which there are."""
 
+from pathlib import Path
+
 import pytest
 
-from workbench.core import InputError, paths
+from workbench.core import InputError
 from workbench.core.paths import closed_chain_file, models_folder
 
 
@@ -18,9 +20,9 @@ def test_an_unknown_chain_is_answered_with_the_known_ones() -> None:
         closed_chain_file("arm")
 
 
-def test_an_installation_without_models_says_where_it_looked(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(paths, "_ROOTS", (tmp_path / "_models", tmp_path / "models"))
+def test_an_installation_without_models_says_where_it_looked(tmp_path: Path) -> None:
+    roots = (tmp_path / "_models", tmp_path / "models")
     with pytest.raises(InputError, match="the shipped models are missing; install workbench again"):
-        models_folder()
+        models_folder(roots)
     (tmp_path / "models").mkdir()
-    assert models_folder() == tmp_path / "models"
+    assert models_folder(roots) == tmp_path / "models"

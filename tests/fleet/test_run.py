@@ -148,7 +148,7 @@ def check_kept(told: list[dict[str, Any]], robots: list[Robot]) -> None:
 def test_workers_that_are_killed_lose_nothing(
     robots: list[Robot], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workbench.fleet.run, "_named", killed_once())
+    monkeypatch.setattr(workbench.fleet.run, "of_one_robot", killed_once())
     told = run_fleet(robots, tmp_path, seed=5, jobs=2)
     check_kept(told, robots)
     assert "its worker died" in told[3]["failed"]
@@ -166,5 +166,5 @@ def cluster() -> Iterator[Any]:
 def test_a_cluster_loses_nothing_either(
     cluster: Any, robots: list[Robot], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workbench.fleet.run, "_named", killed_once())
+    monkeypatch.setattr(workbench.fleet.run, "of_one_robot", killed_once())
     check_kept(run_fleet(robots[:3], tmp_path, seed=5, jobs=2, ray="auto"), robots[:3])

@@ -28,17 +28,18 @@ _LINKS = (
     ("rod", "lever", "pin", (0.0, 0.0, 0.045), (0.0, 0.0, -0.11), 0.07, 3e-4),
 )
 _BARS = {"unequal": (-0.20, 0.05), "a parallelogram": (-0.22, 0.045)}
-_ENDS = [("rod_end", "rod", -0.20), ("heel", "shank", 0.05), ("toe", "shank", -0.24)]
+_ENDS = (("rod_end", "rod", -0.20), ("heel", "shank", 0.05), ("toe", "shank", -0.24))
+_Ends = tuple[tuple[str, str, float], ...]
 
 
 def _words(values: tuple[float, ...]) -> str:
     return " ".join(map(str, values))
 
 
-def _mjcf(folder: Path) -> Path:
+def _mjcf(folder: Path, ends: _Ends = _ENDS) -> Path:
     text = {name: "" for name, *_ in _LINKS} | {"world": ""}
     for name, parent, joint, at, centre, mass, about in reversed(_LINKS):
-        sites = "".join(f'<site name="{n}" pos="0 0 {z}"/>' for n, link, z in _ENDS if link == name)
+        sites = "".join(f'<site name="{n}" pos="0 0 {z}"/>' for n, link, z in ends if link == name)
         text[parent] += (
             f'<body name="{name}" pos="{_words(at)}"><joint name="{joint}" axis="0 -1 0"/>'
             f'<inertial pos="{_words(centre)}" mass="{mass}" diaginertia="{_words((about,) * 3)}"/>'
@@ -50,7 +51,7 @@ def _mjcf(folder: Path) -> Path:
     return file
 
 
-def _urdf(folder: Path) -> Path:
+def _urdf(folder: Path, ends: _Ends = _ENDS) -> Path:
     parts = ['<link name="world"/>']
     for name, parent, joint, at, centre, mass, about in _LINKS:
         inertia = f'ixx="{about}" iyy="{about}" izz="{about}" ixy="0" ixz="0" iyz="0"'
@@ -60,7 +61,7 @@ def _urdf(folder: Path) -> Path:
             f'<parent link="{parent}"/><child link="{name}"/><origin xyz="{_words(at)}"/>',
             '<axis xyz="0 -1 0"/></joint>',
         ]
-    for name, link, z in _ENDS:
+    for name, link, z in ends:
         parts += [
             f'<link name="{name}"/><joint name="{name}_fixed" type="fixed"><parent link="{link}"/>',
             f'<child link="{name}"/><origin xyz="0 0 {z}"/></joint>',
@@ -70,7 +71,7 @@ def _urdf(folder: Path) -> Path:
     return file
 
 
-def _sdf(folder: Path) -> Path:
+def _sdf(folder: Path, ends: _Ends = _ENDS) -> Path:
     parts = []
     for name, parent, joint, at, centre, mass, about in _LINKS:
         above = "" if parent == "world" else f' relative_to="{parent}"'
@@ -82,7 +83,7 @@ def _sdf(folder: Path) -> Path:
             f'<joint name="{joint}" type="revolute"><parent>{parent}</parent><child>{name}</child>',
             "<axis><xyz>0 -1 0</xyz></axis></joint>",
         ]
-    for name, link, z in _ENDS:
+    for name, link, z in ends:
         parts.append(f'<frame name="{name}" attached_to="{link}"><pose>0 0 {z} 0 0 0</pose></frame>')
     file = folder / "leg_sdf.sdf"
     file.write_text(f'<sdf version="1.9"><model name="leg">{"".join(parts)}</model></sdf>')
@@ -99,13 +100,10 @@ def _imported(file: Path, loops: tuple[tuple[str, str], ...] = (("rod_end", "hee
 
 
 @pytest.mark.parametrize("bars", _BARS)
-def test_one_robot_in_three_forms_is_one_s3n(
-    tmp_path: Path, bars: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_robot_in_three_forms_is_one_s3n(tmp_path: Path, bars: str) -> None:
     below, above = _BARS[bars]
-    ends = [("rod_end", "rod", below), ("heel", "shank", above), _ENDS[2]]
-    monkeypatch.setitem(globals(), "_ENDS", ends)
-    models = [_imported(make(tmp_path)) for make in (_mjcf, _urdf, _sdf)]
+    ends = (("rod_end", "rod", below), ("heel", "shank", above), _ENDS[2])
+    models = [_imported(make(tmp_path, ends)) for make in (_mjcf, _urdf, _sdf)]
     generator = np.random.default_rng(1)
     low, high = np.transpose(_LIMITS)
     q = generator.uniform(low, high, (6, 2))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 from tests.proposing.make import KP, columns, imported, log, same, text
 from workbench.core import InputError
 from workbench.proposing import Answers, open_table, propose
-from workbench.proposing.files import logs
 
 LOG = log()
 N = len(LOG.t)
@@ -120,22 +118,31 @@ def test_rows_of_which_most_have_one_stamp_are_refused(tmp_path: Path) -> None:
         propose(open_table(put(tmp_path, text(data))))
 
 
-def messages(other_joints: tuple[str, ...], more: int) -> Iterator[tuple[str, int, object]]:
-    for k, t in enumerate(LOG.t):
-        ours = {"name": ["hip", "knee"], "position": list(LOG.q[k]), "velocity": list(LOG.v[k])}
-        yield "/joint_states", round(t * 1e9), ours
-        for _ in range(1 + (k < more)):
-            theirs = {"name": list(other_joints), "position": [0.1 * t, 0.2], "velocity": [0.1, 0.0]}
-            yield "/joint_states", round((t + 0.0007 + 0.001 * _) * 1e9), theirs
+def two_drivers(file: Path, other_joints: tuple[str, ...], more: int) -> Path:
+    """A log of ROS in which two drivers publish joint states on one topic; the other has `more` rows."""
+    writer_of = pytest.importorskip("mcap.writer")
+    with file.open("wb") as out:
+        writer = writer_of.Writer(out)
+        writer.start()
+        channel = writer.register_channel(
+            "/joint_states", "json", writer.register_schema("state", "jsonschema", b"{}")
+        )
+
+        def publish(stamp: float, joints: tuple[str, ...], q: list[float], v: list[float]) -> None:
+            text = json.dumps({"name": joints, "position": q, "velocity": v}).encode()
+            writer.add_message(channel, round(stamp * 1e9), text, round(stamp * 1e9))
+
+        for k, t in enumerate(LOG.t):
+            publish(t, ("hip", "knee"), LOG.q[k].tolist(), LOG.v[k].tolist())
+            for j in range(1 + (k < more)):
+                publish(t + 0.0007 + 0.001 * j, other_joints, [0.1 * t, 0.2], [0.1, 0.0])
+        writer.finish()
+    return file
 
 
 @pytest.mark.parametrize("more", [0, 50])
-def test_two_drivers_on_one_topic_are_two_series(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: int
-) -> None:
-    file = tmp_path / "run.mcap"
-    file.write_bytes(json.dumps({}).encode())
-    monkeypatch.setattr(logs, "_mcap_messages", lambda path: messages(("shoulder", "elbow"), more))
+def test_two_drivers_on_one_topic_are_two_series(tmp_path: Path, more: int) -> None:
+    file = two_drivers(tmp_path / "run.mcap", ("shoulder", "elbow"), more)
     _, recording = imported(file, Answers(model_axes=("hip", "knee")))
     assert len(recording) == N and recording.period == pytest.approx(0.005)
     assert np.abs(recording.position - LOG.q).max() < 1e-9

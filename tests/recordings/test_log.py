@@ -26,7 +26,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Callable[[Path], Log]:
     """Opens a recording as what is too long to be held."""
-    for name, value in (("HELD", 1000), ("_SMALL", 0), ("_SMALL_TEXT", 0)):
+    for name, value in (("HELD", 1000), ("SMALL", 0), ("SMALL_TEXT", 0)):
         monkeypatch.setattr(workbench.recordings.log, name, value)
 
     def as_log(path: Path) -> Log:
@@ -56,7 +56,7 @@ def as_table(written: Path, folder: Path, ending: str, change: Callable[[str], s
 def test_a_log_begins_where_rows_and_axes_are_too_many(
     name: str, at: int, written: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workbench.recordings.log, "_SMALL", 0)
+    monkeypatch.setattr(workbench.recordings.log, "SMALL", 0)
     whole = load_recording(written)
     numbers = len(whole) * len(whole.axes) ** at
     for least, kind in ((numbers, Recording), (numbers - 1, Log)):

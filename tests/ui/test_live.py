@@ -74,7 +74,7 @@ def test_an_effect_that_is_fitted_is_named_as_the_page_names_it(
     live.choose("leg", ("slow",), None)
     loop.until(lambda: live.now and live.now.entries)
     tell: list[Callable[[str, str], None]] = []
-    monkeypatch.setattr(live._worker, "start", lambda work, arguments, told: tell.append(told))
+    monkeypatch.setattr(live.worker, "start", lambda work, arguments, told: tell.append(told))
     key = EffectKey("torque_saturation", "knee")
     live.fit(key)
     assert live.work == "starting to fit torque saturation on the knee drive"

@@ -29,9 +29,9 @@ from .survey import Survey
 from .touching import contact_notes
 from .where_long import Excess
 
-_NUMBERS = 240_000  # rows times axes of a stretch: some 200 MB with the runs of it
+NUMBERS = 240_000  # rows times axes of a stretch: some 200 MB with the runs of it
 _LEAD_S = 1.0  # before a stretch, in which a loop forgets that it was begun with noisy readings
-_KEPT = 200_000  # rows of a log that say where its error sits
+KEPT = 200_000  # rows of a log that say where its error sits
 
 
 def compare_logs(
@@ -84,7 +84,7 @@ def compare_logs(
     scale = survey.scale(replay.recordings)
     parts = []
     for i, source in enumerate(sources):
-        part = _Part(source, replay, scale, max(1, survey.rows[i] // _KEPT))
+        part = _Part(source, replay, scale, max(1, survey.rows[i] // KEPT))
         for k, piece in enumerate(_pieces(source)):
             own = int(np.random.SeedSequence([seed, i, k]).generate_state(1)[0])
             part.add(model, piece, own, draws)
@@ -104,7 +104,7 @@ def compare_logs(
 def _pieces(source: Recording | Log) -> Iterator[Stretch]:
     if isinstance(source, Recording):
         return iter([Stretch(source, 0.0, 0)])
-    return source.stretches(_NUMBERS / len(source.axes) * source.period, _LEAD_S)
+    return source.stretches(NUMBERS / len(source.axes) * source.period, _LEAD_S)
 
 
 @dataclass

@@ -13,7 +13,7 @@ from workbench.simulation import check_axes, scored_torque
 
 from .score import Scale, follows_motion
 
-_SAMPLED = 6  # stretches of a log; sensors say in any how noisy they are
+SAMPLED = 6  # stretches of a log; sensors say in any how noisy they are
 
 
 class Survey:
@@ -57,7 +57,7 @@ class Survey:
             # every one at first; each time there are too many, every other one goes
             if k % wanted == 0 and counted.any():
                 chosen.append(r)
-            if len(chosen) > 2 * _SAMPLED:
+            if len(chosen) > 2 * SAMPLED:
                 chosen, wanted = chosen[::2], 2 * wanted
         if isinstance(source, Log):
             check_moves(source, limits)

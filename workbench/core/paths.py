@@ -10,16 +10,16 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 _ROOTS = (_PACKAGE / "_models", _PACKAGE.parent / "models")
 
 
-def models_folder() -> Path:
+def models_folder(roots: tuple[Path, ...] = _ROOTS) -> Path:
     """Return the folder of the shipped models: TOML files, with ``serial`` and ``closed_chain`` in it.
 
     Raises:
         InputError: the installation has none; names the folders searched.
     """
-    for root in _ROOTS:
+    for root in roots:
         if root.is_dir():
             return root
-    searched = " or ".join(map(str, _ROOTS))
+    searched = " or ".join(map(str, roots))
     raise InputError("the shipped models are missing", file=searched, remedy="install workbench again")
 
 

@@ -105,7 +105,7 @@ def _run(
     side_by_side: Any = Parallel(jobs, batch_size=1, pre_dispatch="all", return_as=told_as)  # pyright: ignore
     done = whole - len(work)
     try:
-        for name, problem in side_by_side(delayed(_named)(*task, share) for task in work):
+        for name, problem in side_by_side(delayed(of_one_robot)(*task, share) for task in work):
             done += 1
             progress(f"{done} of {counted(whole, 'robot')}", done / whole)
             if problem is not None:
@@ -115,7 +115,8 @@ def _run(
             raise
 
 
-def _named(robot: Robot, folder: Path, seed: int, inputs: str, cores: int) -> tuple[str, str | None]:
+def of_one_robot(robot: Robot, folder: Path, seed: int, inputs: str, cores: int) -> tuple[str, str | None]:
+    """Diagnose one robot in the process of a worker: its name, and why it failed, if it did."""
     from .task import diagnose_robot  # simulators and all are for who works with them
 
     return robot.name, diagnose_robot(robot, folder, seed, inputs, cores)

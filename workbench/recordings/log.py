@@ -22,7 +22,7 @@ HELD = 1_200_000
 #: The same of rows times axes squared, which tell how small changes go round a loop: a minute of twelve axes.
 HELD_COUPLED = 9_000_000
 #: Bytes of a table below which it cannot have as many numbers: compressed, and as text.
-_SMALL, _SMALL_TEXT = 1 << 20, 8 << 20
+SMALL, SMALL_TEXT = 1 << 20, 8 << 20
 _MATCHING = 12  # rows among which one is looked for at which the loop ticks
 
 
@@ -183,7 +183,7 @@ def open_recording(path: str | Path) -> Recording | Log:
     """Return a recording, or a log if it is larger than `HELD` or `HELD_COUPLED`."""
     described = describe(Path(path))
     table, ending = described.table, described.table.name.lower()
-    small = _SMALL_TEXT if ending.endswith(".csv") else _SMALL
+    small = SMALL_TEXT if ending.endswith(".csv") else SMALL
     if ending.endswith(STREAMED) and table.is_file() and table.stat().st_size > small:
         rows, axes = count_rows(table), len(described.contents.axes)
         if rows * axes > HELD or rows * axes**2 > HELD_COUPLED:

@@ -31,7 +31,7 @@ class Live(Following):
     work: str | None = None
     began: float = 0.0
     loading: bool = False
-    _worker: Worker = field(default_factory=Worker)
+    worker: Worker = field(default_factory=Worker)
     _turn: object = None
 
     def choose(self, model: str, recordings: tuple[str, ...], held_out: str | None) -> None:
@@ -93,13 +93,13 @@ class Live(Following):
     def stop(self) -> None:
         """Stop the present work at once."""
         if self.work is not None:
-            self._worker.stop()
+            self.worker.stop()
             self.work = None
             self.tell("work")
 
     def close(self) -> None:
         """Stop everything."""
-        self._worker.close()
+        self.worker.close()
         for pool in (self._quick, self._slow, self._sight):
             pool.shutdown(wait=False, cancel_futures=True)
 
@@ -131,4 +131,4 @@ class Live(Following):
         def tell(kind: str, content: Any) -> None:
             self.post(lambda: heard(kind, content) if self._turn is turn else None)
 
-        self._worker.start(work, arguments, tell)
+        self.worker.start(work, arguments, tell)
