@@ -55,8 +55,7 @@ def made(file: Path, seconds: float = 6.0, seed: int = 0, step: float = _STEP) -
         torque = np.array(_LOOP.kp) * (wanted - q) - np.array(_LOOP.kd) * w
         rows.append((q, w, torque, torque + generator.normal(0.0, (0.03, 0.3))))
         data.qfrc_applied[:] = torque
-        for _ in range(round(_PERIOD / step)):
-            mujoco.mj_step(m, data)
+        mujoco.mj_step(m, data, round(_PERIOD / step))
     names = "position", "velocity", "torque_command", "torque_measured"
     signals = {name: np.stack([row[k] for row in rows]) for k, name in enumerate(names)}
     signals["position_reference"] = reference

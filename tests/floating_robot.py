@@ -8,6 +8,7 @@ pushed: what feet do against each other sideways would else be a state that noth
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from functools import cache
 
 import numpy as np
@@ -101,6 +102,20 @@ def recorded(
         friction: of the floor.
         plates: whether force plates lie under its feet.
     """
+    log, generator = _moved(seconds, seed, coulomb, damping, cargo, friction)
+    return _logged(log, deepcopy(generator), plates)
+
+
+@cache
+def _moved(
+    seconds: float,
+    seed: int,
+    coulomb: tuple[float, ...],
+    damping: tuple[float, ...],
+    cargo: float,
+    friction: float,
+) -> tuple[Mapping[str, np.ndarray], np.random.Generator]:
+    """What happens, which no sensor changes, and the generator of what they add."""
     generator = np.random.default_rng(seed)
     coulomb = coulomb or (0.0,) * len(AXES)
     damping = damping or (0.0,) * len(AXES)
@@ -176,7 +191,7 @@ def recorded(
             w = np.array([j.get_angular_rate(context) for j in joints])
             port.FixValue(context, u - friction_of * np.tanh(w / 0.02))
             simulator.AdvanceTo((row + SETTLING) * PERIOD + (k + 1) * SUBSTEP)
-    return _logged({k: np.array(v) for k, v in log.items()}, generator, plates)
+    return {k: np.array(v) for k, v in log.items()}, generator
 
 
 def _logged(log: Mapping[str, np.ndarray], generator: np.random.Generator, plates: bool) -> Recording:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import copysign, cos, pi
 from pathlib import Path
 
 import numpy as np
@@ -31,18 +32,19 @@ def pushed(
     kp, kd = gains
     q = w = 0.0
     rows, way = [], [0.0] * late
-    for r in reference:
-        at = 2 * np.pi / counts * np.round(q * counts / (2 * np.pi)) if counts else q
+    for r in map(float, reference):
+        at = 2 * pi / counts * round(q * counts / (2 * pi)) if counts else q
         speed = w + wobble * generator.standard_normal()
         asked = kp * (r - at) - damped * kd * speed
-        ceiling = np.clip(stall * (1.0 - np.sign(asked) * w / fastest), 0.0, stall)
+        ceiling = min(max(stall * (1.0 - copysign(1.0, asked) * w / fastest), 0.0), stall)
         way.append(asked)
-        given = float(np.clip(way.pop(0), -min(limit, ceiling), min(limit, ceiling)))
+        most = min(limit, ceiling)
+        given = min(max(way.pop(0), -most), most)
         rows.append((at, speed, asked, given + noise * generator.standard_normal(), r))
         for _ in range(20):
             h = _STEP / 20
-            w += h * (gain * given + bias - 0.01 * w - 0.4 * 9.81 * 0.05 * np.cos(q)) / 0.0056
-            w = np.sign(w) * max(abs(w) - h * friction(w) / 0.0056, 0.0)
+            w += h * (gain * given + bias - 0.01 * w - 0.4 * 9.81 * 0.05 * cos(q)) / 0.0056
+            w = copysign(max(abs(w) - h * friction(w) / 0.0056, 0.0), w)
             q += h * w
     names = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
     signals = {name: column[:, None] for name, column in zip(names, np.array(rows).T, strict=True)}

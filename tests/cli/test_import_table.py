@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import pty
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.cli.here import run
+from tests.cli.here import run, run_at_a_terminal
 from tests.proposing.make import columns, log, mixed, text
 from workbench.recordings import load_recording
 
 LOG = log(600)
-WORKBENCH = [sys.executable, "-m", "workbench.cli"]
 
 
 def torque_in_doubt(folder: Path) -> Path:
@@ -74,18 +69,9 @@ def test_yes_takes_the_likeliest_and_says_that_it_is_a_guess(tmp_path: Path) -> 
 
 def at_a_terminal(folder: Path, answer: str, *words: str) -> str:
     """What is shown where a question is answered; it has to end well."""
-    ours, theirs = pty.openpty()
-    done = subprocess.Popen([*WORKBENCH, *words], cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs)
-    os.close(theirs)
-    os.write(ours, f"{answer}\n".encode())
-    shown = b""
-    try:
-        while part := os.read(ours, 4096):
-            shown += part
-    except OSError:  # the other end is closed
-        pass
-    assert done.wait() == 0, shown
-    return shown.decode()
+    done = run_at_a_terminal(answer, *words, cwd=folder)
+    assert done.returncode == 0, done.stdout
+    return done.stdout
 
 
 def test_on_a_terminal_it_asks(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 import tomli_w
 
 from tests.can.make import motor, table
+from tests.cli.here import run
 from tests.cli.test_matrix import ELSEWHERE, TREE
 
 #: What each is asked; the robot has a bus of its own.
@@ -65,10 +66,7 @@ def test_an_interrupt_ends_it_without_a_traceback(name: str, folder: Path) -> No
 
 @pytest.mark.parametrize("name", sorted(NEEDS_BUS))
 def test_without_a_bus_it_is_refused_in_one_line(name: str, folder: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "workbench.cli", *WORDS[name]],
-        cwd=folder, capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
+    done = run(*WORDS[name], cwd=folder)
     assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert done.stderr.startswith("error: ") and "start it with" in done.stderr
 
@@ -77,10 +75,7 @@ def test_a_log_that_exists_is_written_over_only_by_force(folder: Path) -> None:
     (folder / "today.log").write_text("kept")
     bus = started(WORDS["can bus"], folder)
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", "workbench.cli", *WORDS["can log"]],
-            cwd=folder, capture_output=True, text=True, timeout=60,
-        )  # fmt: skip
+        done = run(*WORDS["can log"], cwd=folder)
         assert (
             done.returncode == 2 and "--force" in done.stderr and (folder / "today.log").read_text() == "kept"
         )

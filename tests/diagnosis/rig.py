@@ -17,17 +17,23 @@ from workbench.diagnosis.search_result import AcceptedStep
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 
+#: What was recorded already, by what was hidden: what is known of a recording is worked out once for each.
+_RECORDED: dict[str, list[Recording]] = {}
+
 
 def recordings(*hidden: HiddenEffect, seed: int = 5) -> tuple[list[Recording], list[Recording]]:
     """Training and held-out recordings of a leg with something hidden in it, 17 s in all."""
-    experiments = [
-        multisine("sum", period=2.0, duration=4.0),
-        chirp("knee", duration=4.0),
-        slow_sweep(duration=6.0),
-        validation(seed, duration=3.0),
-    ]
-    made = VirtualLeg(hidden, seed=seed).run(experiments)
-    return made[:-1], made[-1:]
+    key = repr((hidden, seed))
+    if key not in _RECORDED:
+        experiments = [
+            multisine("sum", period=2.0, duration=4.0),
+            chirp("knee", duration=4.0),
+            slow_sweep(duration=6.0),
+            validation(seed, duration=3.0),
+        ]
+        _RECORDED[key] = VirtualLeg(hidden, seed=seed).run(experiments)
+    *training, held_out = _RECORDED[key]
+    return training, [held_out]
 
 
 #: Neither is plain in the closed loop while the other is missing.
