@@ -1,6 +1,7 @@
 """What runs when: `pytest --core` leaves out what needs more than requirements.lock, and what takes long.
 
-Property tests draw the same examples every time; ``HYPOTHESIS_PROFILE=explore`` looks for new ones.
+Property tests draw the same examples every time, the core fewer; ``HYPOTHESIS_PROFILE=explore`` looks for
+new ones.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from hypothesis import settings
 from .kept_for_all import EXTRA, SLOW
 
 settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("core", derandomize=True, deadline=None, max_examples=30)
 settings.register_profile("explore", derandomize=False, deadline=None, max_examples=1000, print_blob=True)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 _HERE = Path(__file__).parent
 
@@ -27,10 +28,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--core", action="store_true", help="only what needs no extra and takes no time")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    usual = "core" if config.getoption("--core") else "same"
+    settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", usual))
+
+
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Files that need an extra are not even imported where it may be missing."""
+    """What is left out as a whole is not even imported: its extra may be missing, and imports take long."""
     place = collection_path.relative_to(_HERE).as_posix() if collection_path.is_relative_to(_HERE) else ""
-    return True if config.getoption("--core") and place in EXTRA else None
+    return True if config.getoption("--core") and (place in EXTRA or place in SLOW) else None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -94,8 +94,6 @@ def test_it_is_a_program(data: Path, tmp_path: Path) -> None:
     done = subprocess.run([*words, "--json", "out.json"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "chirp_knee" in done.stdout and json.loads((tmp_path / "out.json").read_text())["model"] == "leg"
-    done = subprocess.run([*words, "--json", "out.json"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 2 and "--force" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:

@@ -112,9 +112,6 @@ def test_improve_writes_what_it_found_and_keeps_its_promise(logs: list[Path], tm
     before, after = own.read_bytes().split(b"\r\n"), (tmp_path / "fixed.xml").read_bytes().split(b"\r\n")
     new = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
     assert len(new) == 1 and new[0][1].startswith(new[0][0].removesuffix(b"/>") + b' damping="0.')
-    again = run("improve", "fixed.xml", logs[1], "--into", "fixed.xml", "-o", "same.xml", cwd=tmp_path)
-    assert again.returncode == 0 and "Nothing was added, so same.xml was not written." in again.stdout
-    assert not (tmp_path / "same.xml").exists()
 
 
 def refused(folder: Path, *words: object) -> str:
@@ -190,6 +187,6 @@ def test_improve_writes_no_file_where_nothing_was_added(logs: list[Path], tmp_pa
     words = "ripple.toml", logs[1], "--into", "own.xml", "-o", "new.xml", "--json", "i.json"
     ended = run("improve", *words, cwd=tmp_path)
     assert ended.returncode == 0
-    assert "new.xml was not written" in " ".join(ended.stdout.split())
+    assert "Nothing was added, so new.xml was not written." in " ".join(ended.stdout.split())
     assert "explains the data" in ended.stdout and not (tmp_path / "new.xml").exists()
     assert json.loads((tmp_path / "i.json").read_text())["verdict"] == "consistent"

@@ -73,7 +73,7 @@ def still(folder: Path, **loop: object) -> Robot:
 def test_a_robot_at_rest_is_not_frozen(tmp_path: Path, pd: str) -> None:
     robot = still(tmp_path, pd=pd, kp=40.0, kd=1.0)
     words: list[tuple[float, ...]] = []
-    robot.host.run(4.0, lambda host, _: words.append((*host.feedback.position, *host.feedback.torque)))
+    robot.host.run(2.5, lambda host, _: words.append((*host.feedback.position, *host.feedback.torque)))
     assert robot.host.state.phase == "run"
     tail = np.array(words[-300:])
     assert pd == "host" or (np.ptp(tail, axis=0) == 0.0).any(), "some do say the same for a second"

@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from workbench_exam.__main__ import hash_of
 from workbench_exam.answers import Answer, Named, from_json, read_answer, to_json
 from workbench_exam.cases import read_case
 from workbench_exam.plants.draw import KINDS, draw, plan
-from workbench_exam.plants.drawn import true_plant
+from workbench_exam.plants.drawn import Drawn, true_plant
 from workbench_exam.plants.plant import with_effect
 from workbench_exam.plants.removed import judge
 from workbench_exam.plants.write import drawn_of, truth, write
@@ -25,9 +26,17 @@ from workbench_exam.table import reliability, row, table
 from workbench_exam.vocabulary import EFFECTS, MEANING
 
 EXAM = Path(__file__).resolve().parents[2] / "exam"
-ARM = draw(0, "number", 0)  # an arm whose file has too little damping
-TOLD = {**truth(ARM), "one_body": ("yaw",)}
 RIGHT = Named("viscous_damping", "lift", {"damping": (1.06, 1.05, 1.07)}, 0.9)
+
+
+@cache
+def the_arm() -> Drawn:
+    """An arm whose file has too little damping; what draws it is compiled first, where it is asked for."""
+    return draw(0, "number", 0)
+
+
+def its_truth() -> dict:
+    return {**truth(the_arm()), "one_body": ("yaw",)}
 
 
 def imported(file: Path) -> set[str]:
@@ -75,7 +84,7 @@ def test_a_case_is_in_si_units_and_says_nothing_of_its_truth(case: Path) -> None
 
 def test_other_units_are_the_same_numbers(tmp_path: Path) -> None:
     for way in ("usual", "units"):
-        write(replace(ARM, way=way), tmp_path / way, OPEN_KEY)
+        write(replace(the_arm(), way=way), tmp_path / way, OPEN_KEY)
     usual, units = (read_case(tmp_path / way).recordings[1] for way in ("usual", "units"))
     assert "deg" in (tmp_path / "units" / "case.json").read_text()
     np.testing.assert_allclose(units.time, usual.time, atol=1e-6)
@@ -89,8 +98,8 @@ def test_a_plan_begins_alike_and_has_all_kinds() -> None:
 
 
 def test_a_truth_says_its_machine() -> None:
-    again = drawn_of(json.loads(json.dumps(truth(ARM))))
-    assert true_plant(again) == true_plant(ARM) and again.file == ARM.file
+    again = drawn_of(json.loads(json.dumps(truth(the_arm()))))
+    assert true_plant(again) == true_plant(the_arm()) and again.file == the_arm().file
 
 
 def test_a_seal_opens_with_its_key_alone() -> None:
@@ -132,16 +141,16 @@ def test_a_wrong_answer_says_where(data: dict, says: str) -> None:
 def test_the_truth_as_an_answer_is_right_and_removes_everything() -> None:
     said = tuple(
         Named(h.effect, h.place, {k: (v, 0.9 * v, 1.1 * v) for k, v in h.values.items()}, 1.0)
-        for h in ARM.hidden
+        for h in the_arm().hidden
     )
     answer = Answer("missing_effect", said)
-    marks = mark(TOLD, answer, 1.0, judge(TOLD, answer))
+    marks = mark(its_truth(), answer, 1.0, judge(its_truth(), answer))
     assert (
         marks["good"]
         and marks["removed"] == pytest.approx(1.0)
         and marks["named"][0]["covered"] == {"damping": True}
     )
-    nothing = mark(TOLD, Answer("consistent"), 1.0, judge(TOLD, Answer("consistent")))
+    nothing = mark(its_truth(), Answer("consistent"), 1.0, judge(its_truth(), Answer("consistent")))
     assert (
         not nothing["good"]
         and nothing["removed"] == 0.0
@@ -151,16 +160,16 @@ def test_the_truth_as_an_answer_is_right_and_removes_everything() -> None:
 
 def test_false_names_verdicts_and_narrow_intervals_are_seen() -> None:
     extra = Named("cogging", "bend")
-    marks = mark(TOLD, Answer("missing_effect", (RIGHT, extra)), 1.0, None)
+    marks = mark(its_truth(), Answer("missing_effect", (RIGHT, extra)), 1.0, None)
     assert (marks["false"], marks["good"], [n["is"] for n in marks["named"]]) == (
         1,
         False,
         ["right", "false"],
     )
-    assert not mark(TOLD, Answer("partly_explained", (RIGHT,)), 1.0, None)["good"]
-    assert mark(TOLD, Answer("missing_effect", (RIGHT,), ("worn",)), 1.0, None)["false"] == 1
+    assert not mark(its_truth(), Answer("partly_explained", (RIGHT,)), 1.0, None)["good"]
+    assert mark(its_truth(), Answer("missing_effect", (RIGHT,), ("worn",)), 1.0, None)["false"] == 1
     narrow = replace(RIGHT, values={"damping": (1.0, 0.99, 1.01)})
-    assert mark(TOLD, Answer("missing_effect", (narrow,)), 1.0, None)["named"][0]["covered"] == {
+    assert mark(its_truth(), Answer("missing_effect", (narrow,)), 1.0, None)["named"][0]["covered"] == {
         "damping": False
     }
 
@@ -169,19 +178,19 @@ def test_what_moves_as_the_truth_and_says_so_is_alike() -> None:
     other = Named("quadratic_drag", "lift", also=(("viscous_damping", "lift"),))
     for after, how in ((0.9, "alike"), (3.0, "false")):
         judged = {"before": 6.5, "after": after, "floor": 0.0}
-        assert mark(TOLD, Answer("missing_effect", (other,)), 1.0, judged)["named"][0]["is"] == how
+        assert mark(its_truth(), Answer("missing_effect", (other,)), 1.0, judged)["named"][0]["is"] == how
 
 
 def test_where_a_link_turns_with_its_rotor_both_are_one() -> None:
     hidden = [{"effect": "reflected_inertia", "place": "yaw", "values": {"inertia": 0.1}, "shows": 5.0}]
-    told = TOLD | {"hidden": hidden}
+    told = its_truth() | {"hidden": hidden}
     link = Answer("missing_effect", (Named("link_inertia_error", "yaw"),))
-    assert mark(told, link, 1.0, None)["good"] and not mark(TOLD, link, 1.0, None)["good"]
+    assert mark(told, link, 1.0, None)["good"] and not mark(its_truth(), link, 1.0, None)["good"]
 
 
 def test_of_a_stranger_nothing_is_named() -> None:
     stranger = {"effect": "tone", "place": "yaw", "values": {}, "shows": 9.0}
-    told = TOLD | {"kind": "stranger", "hidden": [], "strangers": [stranger]}
+    told = its_truth() | {"kind": "stranger", "hidden": [], "strangers": [stranger]}
     assert mark(told, Answer("unexplained"), 1.0, None)["good"]
     assert not mark(told, Answer("consistent"), 1.0, None)["good"]
     assert not mark(told, Answer("unexplained", (RIGHT,)), 1.0, None)["abstained"]
@@ -191,9 +200,9 @@ def test_every_effect_of_the_vocabulary_can_be_in_a_machine() -> None:
     assert MEANING.keys() == EFFECTS.keys()
     for effect, names in EFFECTS.items():
         values = dict.fromkeys(names, 0.01)
-        assert with_effect(ARM.file, effect, "bend", values) != ARM.file, effect
+        assert with_effect(the_arm().file, effect, "bend", values) != the_arm().file, effect
     with pytest.raises(ValueError, match="no drive 'tail'"):
-        with_effect(ARM.file, "cogging", "tail", {})
+        with_effect(the_arm().file, "cogging", "tail", {})
 
 
 def test_a_solver_that_fails_is_a_failure_in_the_table(case: Path, tmp_path: Path, capsys) -> None:
@@ -221,8 +230,8 @@ def test_marks_of_a_baseline_are_those_of_every_other_machine(case: Path, tmp_pa
 
 
 def test_a_table_counts() -> None:
-    good = mark(TOLD, Answer("missing_effect", (RIGHT,)), 9.0, None) | {"processor_seconds": 2.0}
-    bad = mark(TOLD, Answer("missing_effect", (Named("cogging", "yaw", {}, 0.6),)), 9.0, None)
+    good = mark(its_truth(), Answer("missing_effect", (RIGHT,)), 9.0, None) | {"processor_seconds": 2.0}
+    bad = mark(its_truth(), Answer("missing_effect", (Named("cogging", "yaw", {}, 0.6),)), 9.0, None)
     assert math.isnan(row([good, bad])["seconds"])  # a clock on a wall is no measure of work
     bad["processor_seconds"] = 4.0
     figures = row([good, bad])

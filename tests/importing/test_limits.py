@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -37,8 +38,14 @@ def _imported(folder: Path, hip: str, knee: str, *more: str) -> tuple[str, Path]
     return " ".join(done.stdout.split()), folder / "own.toml"
 
 
-def test_a_range_past_a_dead_point_is_narrowed_and_told(tmp_path: Path) -> None:
-    said, file = _imported(tmp_path, *_RANGES)
+@pytest.fixture(scope="module")
+def narrowed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """What is said of a leg whose range goes on past a dead point, and its model."""
+    return _imported(tmp_path_factory.mktemp("narrowed"), *_RANGES)
+
+
+def test_a_range_past_a_dead_point_is_narrowed_and_told(narrowed: tuple[str, Path]) -> None:
+    said, file = narrowed
     model = read_model(file)
     assert model.closed_chain is not None
     hip, knee = model.closed_chain.limits
@@ -47,7 +54,7 @@ def test_a_range_past_a_dead_point_is_narrowed_and_told(tmp_path: Path) -> None:
         f"Limits: hip -0.9 to 0.9, knee {knee[0]:g} to 2.8; left out of the file's: knee from -0.3 to" in said
     )
     assert "--limits JOINT=LOW:HIGH" in said
-    told = json.loads((tmp_path / "own.json").read_text())
+    told = json.loads(file.with_suffix(".json").read_text())
     assert told["limits"] == [list(hip), list(knee)] and "near a dead point" in told["limits_changed"][0]
     assert verify(model, samples=5).passed
 
@@ -69,8 +76,11 @@ def test_where_the_file_has_no_range_one_about_start_is_taken(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("knee", [-0.3, 0.2])
-def test_check_leaves_out_what_is_not_reached_and_passes(tmp_path: Path, knee: float) -> None:
-    _, file = _imported(tmp_path, *_RANGES)
+def test_check_leaves_out_what_is_not_reached_and_passes(
+    narrowed: tuple[str, Path], tmp_path: Path, knee: float
+) -> None:
+    shutil.copytree(narrowed[1].parent, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / narrowed[1].name
     model = read_model(file)
     assert model.closed_chain is not None
     text = file.read_text()

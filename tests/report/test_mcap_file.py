@@ -14,6 +14,8 @@ from workbench.core import Comparison, Improvement, InputError
 from workbench.proposing.files import open_table
 from workbench.report import write_mcap
 
+from . import build
+
 Topics = dict[str, tuple[dict[str, Any], list[tuple[float, dict[str, Any]]]]]
 
 
@@ -30,6 +32,18 @@ def topics(file: Path) -> Topics:
             rows = found.setdefault(channel.topic, (json.loads(schema.data), []))[1]
             rows.append((message.log_time * 1e-9, json.loads(message.data)))
     return found
+
+
+@pytest.fixture(scope="module")
+def improvement() -> Improvement:
+    """Rows are written one by one: a tenth of those of a page are enough."""
+    return build.improvement(rate=50.0)
+
+
+@pytest.fixture(scope="module")
+def comparison(improvement: Improvement) -> Comparison:
+    assert improvement.before is not None
+    return improvement.before
 
 
 def test_every_recording_has_its_measured_and_simulated_rows(comparison: Comparison, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.core import Diagnosis, Improvement, InputError
+from workbench.core import Comparison, Diagnosis, Improvement, InputError
 from workbench.report import render_page, write_page
 from workbench.report.pack import plots
 from workbench.report.residual_strip import residual_strips
@@ -27,6 +27,22 @@ def page(request, comparison, diagnosis, improvement) -> Page:
     result = {"compare": comparison, "diagnose": diagnosis}.get(request.param, improvement)
     truth = build.TRUTH if request.param == "demo" else None
     return Page(render_page(result, command=COMMAND, seeds={"fit": 7}, truth=truth))
+
+
+@pytest.fixture(scope="module")
+def improved(improvement: Improvement) -> str:
+    """The page of an improvement; most of its time are its pictures."""
+    return render_page(improvement, command=COMMAND)
+
+
+@pytest.fixture(scope="module")
+def diagnosed(diagnosis: Diagnosis) -> str:
+    return render_page(diagnosis, command=COMMAND)
+
+
+@pytest.fixture(scope="module")
+def compared(comparison: Comparison) -> str:
+    return render_page(comparison, command=COMMAND)
 
 
 def test_it_asks_nothing_of_a_network(page):
@@ -66,16 +82,16 @@ def test_it_says_how_to_reproduce_it(tmp_path, diagnosis):
         render_page(diagnosis, command=COMMAND, inputs=[tmp_path / "gone.toml"])
 
 
-def test_it_says_what_is_missing_how_sure_and_what_else(diagnosis):
-    text = Page(render_page(diagnosis, command=COMMAND)).text.replace("\u00a0", " ")
+def test_it_says_what_is_missing_how_sure_and_what_else(diagnosed):
+    text = Page(diagnosed).text.replace("\u00a0", " ")
     assert "Something is missing: Coulomb friction on the knee drive, 0.254 ± 0.003 N m (95 %)." in text
     assert "97 % probable" in text and "cannot tell it from Coulomb friction at the knee joint" in text
     assert "On held-out data the error falls from 0.201 to 0.0312." in text
     assert "Thermal derating on all axes" in text and "friction at the drive and at the joint" in text
 
 
-def test_an_improvement_says_how_sure_its_names_are(improvement):
-    assert "97 % probable" in Page(render_page(improvement, command=COMMAND)).text
+def test_an_improvement_says_how_sure_its_names_are(improvement, improved):
+    assert "97 % probable" in Page(improved).text
     assert "probable" not in Page(render_page(replace(improvement, diagnosis=None), command=COMMAND)).text
 
 
@@ -89,8 +105,8 @@ def test_it_shows_the_shape_of_what_no_effect_explains():
     assert "shape of what no effect" not in Page(render_page(build.diagnosis(), command=COMMAND)).text
 
 
-def test_held_out_errors_stand_beside_their_own_floor(improvement):
-    text = Page(render_page(improvement, command=COMMAND)).text
+def test_held_out_errors_stand_beside_their_own_floor(improvement, improved):
+    text = Page(improved).text
     assert "on the held-out recordings that is 0.0303" in text
     bare = replace(improvement, holdout_noise_error=None)
     assert "on the held-out recordings that" not in Page(render_page(bare, command=COMMAND)).text
@@ -195,8 +211,8 @@ def test_a_browser_draws_it_from_disk(tmp_path, what):
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
-def test_zoom_and_choice_work_without_a_mouse(tmp_path, improvement):
-    page = render_page(improvement, command=COMMAND)
+def test_zoom_and_choice_work_without_a_mouse(tmp_path, improved):
+    page = improved
     script = """<script>
       const by = (id) => document.getElementById(id), seen = [];
       const wait = setInterval(() => {
@@ -230,27 +246,27 @@ def test_zoom_and_choice_work_without_a_mouse(tmp_path, improvement):
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
-def test_the_policy_stops_requests_and_says_so(tmp_path, comparison):
+def test_the_policy_stops_requests_and_says_so(tmp_path, compared):
     path = tmp_path / "page.html"
-    page = render_page(comparison, command=COMMAND)
+    page = compared
     path.write_text(page.replace("</body>", '<img src="http://localhost:9/a.png"></body>'))
     _, console = chromium(path, tmp_path / "profile")
     assert "Content Security Policy" in console
 
 
-def test_what_is_only_nearest_is_shown_as_no_cause(improvement):
+def test_what_is_only_nearest_is_shown_as_no_cause(improvement, improved):
     near = replace(improvement, verdict="unexplained", nearest=True)
     assert "What was added: nearest, but not a cause" in Page(render_page(near, command=COMMAND)).text
-    assert "not a cause" not in Page(render_page(improvement, command=COMMAND)).text
+    assert "not a cause" not in Page(improved).text
 
 
-def test_held_out_recordings_have_their_own_numbers(improvement: Improvement, diagnosis: Diagnosis) -> None:
-    shown = Page(render_page(improvement, command=COMMAND)).text
+def test_held_out_recordings_have_their_own_numbers(improved: str, diagnosed: str) -> None:
+    shown = Page(improved).text
     assert "The same of the held-out recordings" in shown and "walk, held out" in shown
-    assert "held-out recordings, which" not in Page(render_page(diagnosis, command=COMMAND)).text
+    assert "held-out recordings, which" not in Page(diagnosed).text
 
 
-def test_the_residual_comes_first_and_needs_no_script(improvement: Improvement) -> None:
+def test_the_residual_comes_first_and_needs_no_script(improvement: Improvement, improved: str) -> None:
     strips = residual_strips(improvement.before, improvement.after)
     assert strips and strips.title == "Residual torque of knee in chirp_knee"
     assert [s.style for s in strips.strips] == ["before", "after"]
@@ -258,7 +274,7 @@ def test_the_residual_comes_first_and_needs_no_script(improvement: Improvement) 
     spread = [np.std([float(y) for y in re.findall(r" ([\d.]+)", s.path)]) for s in strips.strips]
     assert spread[1] < 0.3 * spread[0]
     assert all(s.path.count("M") == 2 for s in strips.strips), "a gap in the recording is a gap in the line"
-    page = render_page(improvement, command=COMMAND)
+    page = improved
     assert page.index(strips.strips[1].path) < page.index('id="steps"')
     assert len(residual_strips(improvement.before, None).strips) == 1  # type: ignore[union-attr]
     assert residual_strips(None, None) is None
@@ -270,7 +286,7 @@ def test_hashes_are_folded_at_the_end(diagnosis: Diagnosis) -> None:
     assert folded < page.index(hashlib.sha256(Path(__file__).read_bytes()).hexdigest())
 
 
-def test_a_comparison_says_what_its_error_is(comparison) -> None:
-    text = Page(render_page(comparison, command=COMMAND)).text
+def test_a_comparison_says_what_its_error_is(compared) -> None:
+    text = Page(compared).text
     assert "divided by the measured signal's standard deviation" in text
     assert "Each table divides the same error differently; do not add them." in text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import queue
-import time
 from collections.abc import Callable
 
 import pytest
@@ -14,6 +13,7 @@ from workbench.ui.live import Live
 from workbench.ui.worker import Worker
 
 from .conftest import FRICTION, Loop
+from .work import forever, refuse
 
 KNEE = EffectKey("coulomb_friction", "knee")
 
@@ -83,16 +83,6 @@ def test_an_effect_that_is_fitted_is_named_as_the_page_names_it(
     tell[0]("failed", "torque saturation on the knee drive does not lower the error on these recordings")
     loop.until(lambda: live.message[1])
     assert live.message[0].startswith("Torque saturation on the knee drive does not lower the error")
-
-
-def forever(progress: Callable[[str], None]) -> None:
-    progress("begun")
-    while True:
-        time.sleep(1.0)
-
-
-def refuse(progress: Callable[[str], None]) -> None:
-    raise ZeroDivisionError
 
 
 def test_work_stops_at_once_and_others_may_follow() -> None:
