@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.data_helpers import write_recording
-from tests.recordings.test_bad_input import refused
+from tests.recordings.refuse import refused
 from workbench.core import InputError
 from workbench.proposing import open_table
 

@@ -17,7 +17,7 @@ from asammdf.blocks.v4_constants import CONVERSION_TYPE_ALG
 from scipy.io import savemat
 
 from tests.data_helpers import description, two_axes, write_recording
-from tests.recordings.test_bad_input import changed, refused, refused_table
+from tests.recordings.refuse import changed, refused, refused_table
 from tests.recordings.test_can_logs import logged
 from workbench.recordings.tables import apart
 
