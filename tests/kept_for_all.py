@@ -17,6 +17,7 @@ EXTRA = {
     "report/test_rerun_file.py": "rerun",
 }
 
+_NOTEBOOK = "a notebook; another one is in the core"
 _WHOLE = "whole diagnoses, some of them of machines with many axes"
 #: What takes more than some seconds of CPU time -> what it does in them.
 SLOW = {
@@ -65,7 +66,12 @@ SLOW = {
     "docs/test_site.py": "the documentation as a site",
     "fleet/test_run.py::test_workers_that_are_killed_lose_nothing": "a fleet, diagnosed twice",
     "importing/test_hardware.py": "whole demos of machines from files",
-    "notebooks": "every notebook",
+    "notebooks/test_notebooks.py::test_runs[bring_your_own_robot]": _NOTEBOOK,
+    "notebooks/test_notebooks.py::test_runs[frf_comparison]": _NOTEBOOK,
+    "notebooks/test_notebooks.py::test_runs[from_kin_only]": _NOTEBOOK,
+    "notebooks/test_notebooks.py::test_runs[hidden_effect]": _NOTEBOOK,
+    "notebooks/test_notebooks.py::test_runs[inertia_gaps]": _NOTEBOOK,
+    "notebooks/test_notebooks.py::test_runs[real_drive]": _NOTEBOOK,
     "report/test_layout.py": "pages in a browser, in many sizes",
     "simulation/test_speed.py": "times, which a busy machine does not tell",
     "test_packaging.py::test_a_wheel_built_from_the_sdist_runs_outside_of_a_clone": "an archive and a wheel",

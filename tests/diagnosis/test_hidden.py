@@ -95,3 +95,13 @@ def test_a_limit_that_held_out_motion_never_reaches_is_found() -> None:
     keys = {f.key for f in found.findings}
     # a limit that falls with speed fits better as long as the offset is missing
     assert keys == {EffectKey("torque_saturation", "knee"), EffectKey("encoder_offset", "hip")}
+
+
+def test_what_no_catalogue_lists_is_unexplained() -> None:
+    outsider = HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3})
+    training, held_out = recordings(outsider)
+    found = diagnose(load_model("leg"), training, held_out)
+    assert (found.verdict, found.findings) == ("unexplained", ())
+    assert found.unexplained_fraction > 0.1
+    assert found.where[0].axis == outsider.axis and found.next_experiment
+    assert f"Most of the remaining error is in the {found.where[0].signal} around" in found.next_experiment
