@@ -30,7 +30,7 @@ def channel(tmp_path: Path) -> Iterator[str]:
     loaded, over, ready = loaded.model_copy(update={"bus": [bus]}), threading.Event(), threading.Event()
     thread = threading.Thread(target=serve, args=(loaded, over.is_set, ready.set))
     thread.start()
-    assert ready.wait(5.0)
+    assert ready.wait(60.0)
     yield path
     over.set()
     thread.join()
@@ -47,12 +47,13 @@ def test_what_one_sends_all_others_get_and_the_sender_its_echo(channel: str) -> 
         WorkbenchBus(channel) as two,
         WorkbenchBus(channel) as three,
     ):
+        begin = time.monotonic()
         one.send(message(0x12345, b"abcdefgh", extended=True))
         echo, got, also = one.recv(5.0), two.recv(5.0), three.recv(5.0)
         assert echo and got and also and not echo.is_rx and got.is_rx and also.is_rx
         assert got.arbitration_id == 0x12345 and got.is_extended_id and bytes(got.data) == b"abcdefgh"
         assert echo.timestamp - one.shift == pytest.approx(got.timestamp - two.shift, abs=1e-6)
-        assert 0.0 <= time.monotonic() - two.monotonic(got.timestamp) < 5.0
+        assert begin - 0.01 <= two.monotonic(got.timestamp) <= time.monotonic() + 0.01
         two.send(message(1))
         assert (answer := one.recv(5.0)) and answer.arbitration_id == 1 and two.recv(0.05) is None
 
@@ -74,7 +75,7 @@ def test_too_many_frames_at_once_are_refused_and_counted(channel: str) -> None:
     with WorkbenchBus(channel) as one, WorkbenchBus(channel) as two:
         for _ in range(200):
             one.send(message(5, bytes(8)))
-        end = time.monotonic() + 5.0
+        end = time.monotonic() + 60.0
         got = 0
         while got < 32 and time.monotonic() < end:
             got += two.recv(0.1) is not None

@@ -10,6 +10,7 @@ import pytest
 
 from tests.deployment.robot import TICK, Robot
 from workbench.can import Frame, Setpoint
+from workbench.can.clock import Clock
 from workbench.deployment.deadman import Deadman
 from workbench.deployment.drives import Drives
 from workbench.deployment.network import Arrival
@@ -68,7 +69,9 @@ def drives(tmp_path: Path):
 def test_a_thread_damps_while_a_policy_is_stuck(drives) -> None:
     drives, wire, robot = drives
     frames = drives.encode(damping(robot.host._limits, robot.host.state.position))
-    deadman = Deadman(drives, TICK, 3 * TICK, lambda seconds: seconds)
+    # of a clock so slow that no busy machine makes who answers late
+    slow = Clock(30.0).machine
+    deadman = Deadman(drives, TICK, 3 * TICK, slow)
     with deadman.watching():
         for _ in range(20):
             with deadman.over(frames):
@@ -76,12 +79,12 @@ def test_a_thread_damps_while_a_policy_is_stuck(drives) -> None:
         assert not wire.sent, "who answers is left alone"
         begin = time.monotonic()
         with deadman.over(frames):
-            while deadman.acted < 3 and time.monotonic() < begin + 10.0:
+            while deadman.acted < 3 and time.monotonic() < begin + 60.0:
                 time.sleep(0.01)
         count, ended = len(wire.sent), time.monotonic()
-        time.sleep(0.03)
+        time.sleep(slow(2 * TICK))
         assert len(wire.sent) == count and deadman.acted >= 3
-    assert wire.sent[0][0] - begin > 3 * TICK and wire.sent[-1][0] <= ended
+    assert wire.sent[0][0] - begin > slow(3 * TICK) and wire.sent[-1][0] <= ended
     asked = [robot.motors[k % 4].drive.asked(f) for k, (_, _, f) in enumerate(wire.sent)]
     assert all(isinstance(s, Setpoint) and s.kp == 0 and s.kd > 0.9 and abs(s.torque) < 0.01 for s in asked)
 
@@ -97,7 +100,7 @@ def test_a_policy_that_never_answers_ends_with_an_exit_code(drives, capsys) -> N
 
     deadman = Deadman(drives, TICK, 3 * TICK, lambda seconds: seconds, end)
     with deadman.watching(), deadman.over(frames):
-        assert ended.wait(10.0)
+        assert ended.wait(60.0)
     asked = [robot.motors[k % 4].drive.asked(f) for k, (_, _, f) in enumerate(wire.sent)]
     assert codes == [1] and asked[-12:] == ["disable"] * 12 and len(asked) > 200
     assert "the policy does not answer" in capsys.readouterr().err

@@ -47,13 +47,14 @@ def test_any_interface_of_python_can_is_a_network(tmp_path: Path) -> None:
         got = other.recv(5.0)
         assert got and got.arbitration_id == 0x7F and bytes(got.data) == b"\1\2\3"
         other.send(can.Message(arbitration_id=0x12345, data=b"x"))
-        seen = []
-        end = network.now() + 5.0
+        seen, begin = [], time.monotonic()
+        end = network.now() + 60.0
         while not any(not a.sent for a in seen) and network.now() < end:
             seen += network.receive(network.now() + 0.1)
         frames = {a.frame for a in seen if not a.sent}
         assert frames == {Frame(0x12345, b"x", True)}
-        assert all(abs(a.stamp - time.monotonic()) < 5.0 for a in seen) and network.ok("can0")
+        now = time.monotonic()
+        assert all(begin - 1.0 < a.stamp < now + 1.0 for a in seen) and network.ok("can0")
     network.close()
 
 

@@ -143,6 +143,7 @@ def two_drivers(file: Path, other_joints: tuple[str, ...], more: int) -> Path:
 @pytest.mark.parametrize("more", [0, 50])
 def test_two_drivers_on_one_topic_are_two_series(tmp_path: Path, more: int) -> None:
     file = two_drivers(tmp_path / "run.mcap", ("shoulder", "elbow"), more)
+    assert len(open_table(file)) == N + more, "rows of one stand beside those of the other"
     _, recording = imported(file, Answers(model_axes=("hip", "knee")))
     assert len(recording) == N and recording.period == pytest.approx(0.005)
     assert np.abs(recording.position - LOG.q).max() < 1e-9
