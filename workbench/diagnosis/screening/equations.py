@@ -39,6 +39,14 @@ class Entry:
         """Return the effects of single places that this entry stands for."""
         return self.alike or (self,)
 
+    @property
+    def is_extended(self) -> bool:
+        """Return whether its form has more unknowns than the usual one, so that it is only a refinement of
+        that, and no effect of its own.
+        """
+        parameters = effect_named(self.key.effect).parameters
+        return parameters.is_special(self.shape) and len(self.linear) > len(parameters.linear)
+
 
 def limits_of(model: Model, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
     """Return physical bounds of an entry's coefficients in a model."""

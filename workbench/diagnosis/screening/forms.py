@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 from ..policy import POLICY
+from .equations import Entry
 from .selection import Selection, cost_of, gain_of, selection_of, with_new
 from .torque_regression import Chosen, Regression
 
 
 def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
-    """Return new effects, each in the form that leaves least on data that were not fitted.
+    """Return new effects, each in the form that leaves least on data that were not fitted, or in a simpler
+    one that ties with it.
 
     A heavier link and one whose centre is elsewhere explain nearly the same on their own axis.
     """
     for entry in new:
-        ways = [tuple(form if e is entry else e for e in new) for form in regression.forms(entry)]
-        new = min(ways, key=lambda way: float(regression.solved(with_new(beside, way)).test_loss.sum()))
+        left: dict[Entry, tuple[Chosen, float]] = {}
+        for form in regression.forms(entry):
+            way = tuple(form if e is entry else e for e in new)
+            left[form] = way, float(regression.solved(with_new(beside, way)).test_loss.sum())
+        most = (1.0 + POLICY.tie) * min(loss for _, loss in left.values())
+        ties = [(len(form.linear), loss, way) for form, (way, loss) in left.items() if loss <= most]
+        new = min(ties, key=lambda t: t[:2])[2]
     return new
 
 
 def reformed(now: Selection, regression: Regression) -> Selection:
-    """Return the selection with each effect in its best form beside all others, and one form instead of two
-    effects.
+    """Return the selection with each effect in its best form beside all others, and one form instead of
+    several effects.
 
-    A payload and a lighter link are together a link whose centre is elsewhere.
+    A payload and a lighter link are together a link whose centre is elsewhere; links whose centres are
+    elsewhere, and a payload, are together a payload off its site.
     """
     for entry in now.chosen:
         others = tuple(e for e in now.chosen if e is not entry)
@@ -30,12 +38,13 @@ def reformed(now: Selection, regression: Regression) -> Selection:
         if best is not entry:
             return reformed(selection_of((*others, best), regression), regression)
         for form in regression.forms(entry)[1:]:
+            fewer, gone = selection_of((*others, form), regression), (entry,)
             for out in (e for e in others if regression.axes_of(e) & regression.axes_of(entry)):
-                fewer = selection_of((*(e for e in others if e is not out), form), regression)
-                if cost_of(fewer.chosen) <= cost_of(now.chosen) and _explains_as_much(
-                    fewer, now, without=(entry, out), regression=regression
-                ):
-                    return reformed(fewer, regression)
+                rest = selection_of(tuple(e for e in fewer.chosen if e is not out), regression)
+                if _explains_as_much(rest, now, without=(*gone, out), regression=regression):
+                    fewer, gone = rest, (*gone, out)
+            if len(gone) > 1 and cost_of(fewer.chosen) <= cost_of(now.chosen):
+                return reformed(fewer, regression)
     return now
 
 

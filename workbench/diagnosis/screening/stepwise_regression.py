@@ -64,7 +64,7 @@ def _one_make(regression: Regression) -> list[Chosen]:
 
 def grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
     """Return the selection with all of some effects that help, added one at a time."""
-    proposals = [*((e,) for e in entries), *_sets_of_basics(entries)]
+    proposals = [*((e,) for e in entries if not e.is_extended), *_sets_of_basics(entries)]
     gains: dict[Chosen, np.ndarray] = {}
     while True:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
