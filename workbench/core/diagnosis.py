@@ -173,12 +173,14 @@ class Disagreement:
         recordings: their names.
         key: the effect.
         values: its size in each of them.
+        parameter: whose value that is; empty where the effect has but one.
         meaning: two units that may have been taken for one another; empty where none are known.
     """
 
     recordings: tuple[str, ...]
     key: EffectKey
     values: tuple[float, ...]
+    parameter: str = ""
     meaning: str = ""
 
 

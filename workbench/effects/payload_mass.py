@@ -25,7 +25,7 @@ _MOMENTS = tuple(
         f"moment_{way}",
         "kg*m",
         lower=-INF,
-        about=f"mass times the distance of its centre from the site, along {way} of the site; may be left out",
+        about=f"mass times distance of the centre from the site, along {way} of the site; may be left out",
         optional=True,
     )
     for way in "xyz"
