@@ -30,50 +30,54 @@ _MOMENTS = tuple(
     )
     for way in "xyz"
 )
-#: Which moments a motion may show, by the name that the shape has.
-_OFF_CENTRE = {
-    "off_" + "".join(m.name[-1] for m in some): some
-    for count in (1, 2, 3)
-    for some in combinations(_MOMENTS, count)
+_INERTIA = Parameter("inertia", "kg*m^2", about="about the centre, every way; may be left out", optional=True)
+_BODY = (*_MOMENTS, _INERTIA)
+#: Which of them a motion shows, by the name that the shape has.
+_FORMS = {
+    "body_" + "".join(str(_BODY.index(p)) for p in some): some
+    for count in range(1, len(_BODY) + 1)
+    for some in combinations(_BODY, count)
 }
 _NEW = 1e-3  # of a column, that others do not show: less cannot be told in any log
 
 
-def _form(shape: Values) -> tuple[Parameter, ...]:
-    return next((some for name, some in _OFF_CENTRE.items() if name in shape), ())
+def _beside_mass(shape: Values) -> tuple[Parameter, ...]:
+    return next((some for name, some in _FORMS.items() if name in shape), ())
 
 
 def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
-    return dict(zip([p.name for p in (_MASS, *_form(shape))], map(float, coefficients), strict=True))
+    names = [p.name for p in (_MASS, *_beside_mass(shape))]
+    return dict(zip(names, map(float, coefficients), strict=True))
 
 
 def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
-    there = [m for m in _MOMENTS if m.name in values]
-    shape = {name: 1.0 for name, some in _OFF_CENTRE.items() if list(some) == there}
-    return np.array([values["mass"], *(values[m.name] for m in there)]), shape
+    there = tuple(p for p in _BODY if p.name in values)
+    shape = {name: 1.0 for name, some in _FORMS.items() if some == there}
+    return np.array([values["mass"], *(values[p.name] for p in there)]), shape
 
 
-def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
-    """A point at the site; and a body whose centre is off it, as far as the motions show that."""
+def _shapes(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
+    """A point at the site; and a body with a centre and an inertia, as far as the motions show these."""
     del place
-    known = np.concatenate([_mass(m, model).ravel() for m in motions])[:, None]
-    shown = ""
-    for way, name in zip(np.eye(3), "xyz", strict=True):
-        column = np.concatenate([_moment(m, model, way).ravel() for m in motions])
+    known = np.concatenate([_column(_MASS, m, model).ravel() for m in motions])[:, None]
+    shown: list[Parameter] = []
+    for parameter in _BODY:
+        column = np.concatenate([_column(parameter, m, model).ravel() for m in motions])
         rest = column - known @ np.linalg.lstsq(known, column, rcond=None)[0]
         if np.linalg.norm(rest) > _NEW * np.linalg.norm(column):
-            shown, known = shown + name, np.column_stack([known, column])
-    return ({}, {f"off_{shown}": 1.0}) if shown else ({},)
+            shown, known = [*shown, parameter], np.column_stack([known, column])
+    return ({}, *({name: 1.0} for name, some in _FORMS.items() if list(some) == shown))
 
 
-def _mass(motion: Motion, model: Model) -> np.ndarray:
+def _column(parameter: Parameter, motion: Motion, model: Model) -> np.ndarray:
+    """Torque (N, n) that 1 kg at the site takes off the drives; 1 kg m along an axis of it; 1 kg m^2."""
     assert model.payload_site is not None
-    return -carrying(motion, motion.site(model.payload_site), np.zeros(3))
-
-
-def _moment(motion: Motion, model: Model, way: np.ndarray) -> np.ndarray:
-    assert model.payload_site is not None
-    return -leaning(motion, motion.site(model.payload_site), way)
+    site = motion.site(model.payload_site)
+    if parameter is _MASS:
+        return -carrying(motion, site, np.zeros(3))
+    if parameter is _INERTIA:  # a ball: its momentum is along its speed, whatever its posture
+        return -np.einsum("kij,ki->kj", site.turn, site.spin_up)
+    return -leaning(motion, site, np.eye(3)[_MOMENTS.index(parameter)])
 
 
 @lru_cache(maxsize=64)
@@ -83,20 +87,20 @@ def _turned(serial: Path, site: str) -> np.ndarray:
 
 
 class PayloadMass(Effect):
-    """A rigid body at the payload site, most often a point: torque = -J^T (m a + w' x h + ... - m g).
+    """A point mass at the payload site: torque = -m J^T (d(J w)/dt - g), J the site's Jacobian.
 
-    J is the site's Jacobian, h the first moment about the site. Beyond that of its mass at its centre the
-    body has no inertia: what one holds in a hand has little.
+    Where moments or an inertia are given too, it is a body whose centre is off the site, by the moments over
+    the mass, and whose inertia about that is the same every way.
     """
 
     name = "payload_mass"
     parameters = Parameters(
         _MASS,
-        *_MOMENTS,
+        *_BODY,
         chart=Chart(
-            (_MASS,), _values, _solved, special={name: (_MASS, *some) for name, some in _OFF_CENTRE.items()}
+            (_MASS,), _values, _solved, special={name: (_MASS, *some) for name, some in _FORMS.items()}
         ),
-        starts=_forms,
+        starts=_shapes,
     )
     stage = SignalStage.MECHANISM
     locations = WHOLE
@@ -118,15 +122,15 @@ class PayloadMass(Effect):
         return model.payload_site
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """Return the torque of 1 kg at the site; off it, also of 1 kg m along each axis of the site."""
-        ways = [np.eye(3)[_MOMENTS.index(m)] for m in _form(shape)]
-        return Response(np.stack([_mass(motion, model), *(_moment(motion, model, w) for w in ways)]))
+        """One column: the torque of a mass of 1 kg; of a body one more for each further number."""
+        parameters = (_MASS, *_beside_mass(shape))
+        return Response(np.stack([_column(p, motion, model) for p in parameters]))
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
-        """A body at the site; no bigger than a point, but with an inertia that MuJoCo accepts."""
+        """A body at the site; if no bigger than a point, then with an inertia that MuJoCo accepts."""
         site = build.links.site(model.payload_site)
         mass, moment = values["mass"], np.array([values.get(m.name, 0.0) for m in _MOMENTS])
         body = site.parent.add_body(pos=site.pos, quat=_turned(model.links[0], site.name))
         body.explicitinertial, body.mass = True, mass
         body.ipos = moment / mass if mass > 0.0 else np.zeros(3)
-        body.inertia = np.full(3, max(1e-9 * mass, 1e-14))
+        body.inertia = np.full(3, max(values.get("inertia", 0.0), 1e-9 * mass, 1e-14))

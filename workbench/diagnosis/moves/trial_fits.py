@@ -144,19 +144,25 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
                 if x is not None:
                     at.at_first[c.key] = max(x, at.at_first.get(c.key, x))
         pairs += [(c, _as_read(c, f, at)) for c, f in zip(part, results, strict=True) if f is not None]
-    return sorted(_in_best_form(pairs), key=lambda cf: cf[1].training_loss)
+    return sorted(_in_best_form(pairs, at.floor), key=lambda cf: cf[1].training_loss)
 
 
-def _in_best_form(fits: Sequence[Explanation]) -> list[Explanation]:
-    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it."""
+def _in_best_form(fits: Sequence[Explanation], floor: float) -> list[Explanation]:
+    """Return one fit per effect: of the form that leaves least; one with more unknowns has to leave less than
+    half of the excess above the floor.
+    """
     known: dict[EffectKey, list[Explanation]] = {}
-    for candidate, found in fits:
+    for candidate, found in sorted(fits, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)):
         known.setdefault(candidate.key, []).append((candidate, found))
     best = []
-    for own in known.values():
-        most = (1.0 + POLICY.tie) * min(f.test_loss for _, f in own)
-        ties = [(c, f) for c, f in own if f.test_loss <= most]
-        best.append(min(ties, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)))
+    for (first, found), *others in known.values():
+        for form, tried in others:
+            more = len(form.coefficients) > len(first.coefficients)
+            tie = found.test_loss <= (1.0 + POLICY.tie) * tried.test_loss
+            most = floor + POLICY.exchange_left * (found.test_loss - floor)
+            if more and not tie and tried.test_loss < most:
+                first, found = form, tried
+        best.append((first, found))
     return best
 
 

@@ -5,24 +5,33 @@ from __future__ import annotations
 from ..policy import POLICY
 from .equations import Entry
 from .selection import Selection, cost_of, gain_of, selection_of, with_new
-from .torque_regression import Chosen, Regression
+from .torque_regression import Chosen, Regression, Solution
 
 
 def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
-    """Return new effects, each in the form that leaves least on data that were not fitted, or in a simpler
-    one that ties with it.
+    """Return new effects, each in the form that leaves least on data that were not fitted.
 
-    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis.
+    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis. A form with
+    more unknowns has to leave less than half of the excess of some axis.
     """
     for entry in new:
-        left: dict[Entry, tuple[Chosen, float]] = {}
-        for form in regression.forms(entry):
-            way = tuple(form if e is entry else e for e in new)
-            left[form] = way, float(regression.solved(with_new(beside, way)).test_loss.sum())
-        most = (1.0 + POLICY.tie) * min(loss for _, loss in left.values())
-        ties = [(len(form.linear), loss, way) for form, (way, loss) in left.items() if loss <= most]
-        new = min(ties, key=lambda t: t[:2])[2]
+        first, *others = sorted(regression.forms(entry), key=lambda form: len(form.linear))
+        best, found = first, _with_form(new, entry, first, beside, regression)
+        for form in others:
+            tried = _with_form(new, entry, form, beside, regression)
+            if len(form.linear) == len(best.linear):
+                better = tried.test_loss.sum() < found.test_loss.sum()
+            else:
+                gain = gain_of(tried, found, regression)
+                better = gain.max() > 1.0 - POLICY.exchange_left and gain.sum() > 0.0
+            best, found = (form, tried) if better else (best, found)
+        new = tuple(best if e is entry else e for e in new)
     return new
+
+
+def _with_form(new: Chosen, entry: Entry, form: Entry, beside: Chosen, regression: Regression) -> Solution:
+    way = tuple(form if e is entry else e for e in new)
+    return regression.solved(with_new(beside, way))
 
 
 def reformed(now: Selection, regression: Regression) -> Selection:
