@@ -156,6 +156,10 @@ class Parameters(tuple[Parameter, ...]):
         """Return whether a shape is that of another form, with its own unknowns."""
         return self.chart is not None and any(name in shape for name in self.chart.special)
 
+    def is_extended(self, shape: Values) -> bool:
+        """Return whether a shape is that of a form with more unknowns than the usual one: a refinement."""
+        return self.is_special(shape) and len(self.linear_of(shape)) > len(self.linear)
+
     @property
     def nonlinear(self) -> tuple[str, ...]:
         """Return names of the other unknowns, whose values are a shape."""

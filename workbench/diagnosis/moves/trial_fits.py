@@ -148,21 +148,23 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
 
 
 def _in_best_form(fits: Sequence[Explanation], floor: float) -> list[Explanation]:
-    """Return one fit per effect: of the form that leaves least; one with more unknowns has to leave less than
-    half of the excess above the floor.
+    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it.
+
+    An extended form has to leave less than half of the excess above the floor.
     """
     known: dict[EffectKey, list[Explanation]] = {}
-    for candidate, found in sorted(fits, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)):
+    for candidate, found in fits:
         known.setdefault(candidate.key, []).append((candidate, found))
     best = []
-    for (first, found), *others in known.values():
-        for form, tried in others:
-            more = len(form.coefficients) > len(first.coefficients)
-            tie = found.test_loss <= (1.0 + POLICY.tie) * tried.test_loss
-            most = floor + POLICY.exchange_left * (found.test_loss - floor)
-            if more and not tie and tried.test_loss < most:
-                first, found = form, tried
-        best.append((first, found))
+    for key, own in known.items():
+        parameters = effect_named(key.effect).parameters
+        usual = [(c, f) for c, f in own if not parameters.is_extended(c.shape)]
+        left = min((f.test_loss for _, f in usual), default=np.inf)
+        enough = min(left / (1.0 + POLICY.tie), floor + POLICY.exchange_left * (left - floor))
+        own = [(c, f) for c, f in own if parameters.is_extended(c.shape) and f.test_loss < enough] or usual
+        most = (1.0 + POLICY.tie) * min(f.test_loss for _, f in own)
+        ties = [(c, f) for c, f in own if f.test_loss <= most]
+        best.append(min(ties, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)))
     return best
 
 

@@ -41,11 +41,8 @@ class Entry:
 
     @property
     def is_extended(self) -> bool:
-        """Return whether its form has more unknowns than the usual one, so that it is only a refinement of
-        that, and no effect of its own.
-        """
-        parameters = effect_named(self.key.effect).parameters
-        return parameters.is_special(self.shape) and len(self.linear) > len(parameters.linear)
+        """Return whether its form is only a refinement of the usual one, and no effect of its own."""
+        return effect_named(self.key.effect).parameters.is_extended(self.shape)
 
 
 def limits_of(model: Model, entry: Entry) -> tuple[np.ndarray, np.ndarray]:

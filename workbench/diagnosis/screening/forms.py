@@ -11,15 +11,15 @@ from .torque_regression import Chosen, Regression, Solution
 def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
     """Return new effects, each in the form that leaves least on data that were not fitted.
 
-    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis. A form with
-    more unknowns has to leave less than half of the excess of some axis.
+    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis. An extended
+    form has to leave less than half of the excess of some axis.
     """
     for entry in new:
-        first, *others = sorted(regression.forms(entry), key=lambda form: len(form.linear))
-        best, found = first, _with_form(new, entry, first, beside, regression)
+        best, *others = sorted(regression.forms(entry), key=lambda form: form.is_extended)
+        found = _with_form(new, entry, best, beside, regression)
         for form in others:
             tried = _with_form(new, entry, form, beside, regression)
-            if len(form.linear) == len(best.linear):
+            if form.is_extended == best.is_extended:
                 better = tried.test_loss.sum() < found.test_loss.sum()
             else:
                 gain = gain_of(tried, found, regression)
