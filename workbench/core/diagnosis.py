@@ -80,6 +80,11 @@ class Finding:
     model_value: float | None = None
     total: Estimate | None = None
 
+    @property
+    def is_doubtful(self) -> bool:
+        """Return whether other causes are likelier, together, than the one that is named."""
+        return self.probability < 0.5
+
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):

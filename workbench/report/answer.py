@@ -43,7 +43,9 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         kind = _gains if f.key.effect == _GAINS else _wrong if corrects(f) else _missing
         kinds.setdefault(kind, []).append(f)
     told = [tell(some, " too" if k else "") for k, (tell, some) in enumerate(kinds.items())]
-    return " ".join(told) + (partly_sentence(result) if result.verdict == "partly_explained" else "")
+    return " ".join(told) + (
+        partly_sentence(result) if result.verdict == "partly_explained" else _fall_sentence(result)
+    )
 
 
 def _nothing(result: Diagnosis | None) -> str:
@@ -51,6 +53,17 @@ def _nothing(result: Diagnosis | None) -> str:
     if result is not None and result.stopped == "budget":
         return "the search ended before it had tried everything, and nothing so far explains what is missing"
     return "no effect that was tried explains what is missing"
+
+
+def _fall_sentence(result: Diagnosis) -> str:
+    """What stays of the error, with a space before it, where findings explain nearly all and more than noise
+    is left: a number that is far off makes all else look small.
+    """
+    before, after = result.held_out or (result.before, result.after)
+    if before is None or after is None or after.consistent:
+        return ""
+    first, last = (times_noise(c.error, c.noise_error) for c in (before, after))
+    return f" The error falls from {first} the noise to {last}." if first and last else ""
 
 
 def partly_sentence(result: Diagnosis) -> str:
@@ -122,10 +135,12 @@ def _corrected(finding: Finding) -> str:
 
 
 def _or(finding: Finding) -> str:
-    """That it is one name of several, where others are likelier together than it."""
+    """That it is one name of several, or not sure, where other causes are likelier together than it."""
     others = len(finding.indistinguishable_from)
-    if not others or finding.probability >= 0.5:
+    if not finding.is_doubtful:
         return ""
+    if not others:
+        return f" (not sure: {percent(finding.probability)} probable)"
     if others == 1:
         return " (or another cause that looks the same)"
     return f" (or one of {_count(others)} other causes that look the same)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..policy import POLICY
 from .equations import Entry
-from .selection import Selection, cost_of, gain_of, selection_of, with_new
+from .selection import Selection, cost_of, gain_of, loss_without, selection_of, with_new
 from .torque_regression import Chosen, Regression, Solution
 
 
@@ -47,18 +47,15 @@ def reformed(now: Selection, regression: Regression) -> Selection:
         if best is not entry:
             return reformed(selection_of((*others, best), regression), regression)
         for form in regression.forms(entry)[1:]:
-            fewer, gone = selection_of((*others, form), regression), (entry,)
+            fewer = selection_of((*others, form), regression)
             for out in (e for e in others if regression.axes_of(e) & regression.axes_of(entry)):
                 rest = selection_of(tuple(e for e in fewer.chosen if e is not out), regression)
-                if _explains_as_much(rest, now, without=(*gone, out), regression=regression):
-                    fewer, gone = rest, (*gone, out)
-            if len(gone) > 1 and cost_of(fewer.chosen) <= cost_of(now.chosen):
+                if loss_without((out,), rest, now, regression) <= 1.0:
+                    fewer = rest
+            if len(fewer.chosen) < len(now.chosen) and _rank(fewer) <= _rank(now):
                 return reformed(fewer, regression)
     return now
 
 
-def _explains_as_much(fewer: Selection, now: Selection, without: Chosen, regression: Regression) -> bool:
-    """Return whether a selection explains nearly all that some effects of another explain, on every axis."""
-    bare = regression.solved(tuple(e for e in now.chosen if e not in without))
-    special, whole = (gain_of(s.solution, bare, regression) for s in (fewer, now))
-    return bool((whole - special < POLICY.effect_gain).all())
+def _rank(selection: Selection) -> tuple[tuple[int, int], float]:
+    return cost_of(selection.chosen), float(selection.solution.test_loss.sum())
