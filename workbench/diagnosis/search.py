@@ -121,7 +121,7 @@ def _distinguishable(problem: Problem) -> Identifiability | None:
 
 
 def _disagreeing(node: Node, problem: Problem, done: bool) -> tuple[Disagreement, ...]:
-    """Return how recordings contradict each other, beside all effects that were found.
+    """Return how recordings contradict each other, beside all effects that were found or lower the error.
 
     One set of values that explains all of them refutes what but guesses at a cause.
     """
@@ -129,4 +129,5 @@ def _disagreeing(node: Node, problem: Problem, done: bool) -> tuple[Disagreement
     units = differing_units(recordings)
     if done or units or problem.linear is None:
         return units
-    return disagreements(problem.linear, [r.name for r in recordings], node.current.hypothesis.free)
+    beside = (*node.current.hypothesis.free, *node.near)
+    return disagreements(problem.linear, [r.name for r in recordings], beside)
