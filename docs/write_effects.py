@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from workbench.effects import EFFECTS, Effect
+from workbench.effects import EFFECTS, Effect, Parameter
 
 PAGE = Path(__file__).with_name("effects.md")
 FOLDER = Path(__file__).with_name("effects")
@@ -56,6 +56,8 @@ def page(effect: Effect) -> Iterator[str]:
         yield f"![Its signature over speed, position and time](../images/effects/{effect.name}.png)\n"
     yield f"- Equation: {escaped(about)}"
     yield f"- Parameters: {parameters(effect)}"
+    for p in (p for p in effect.parameters if p.about):
+        yield f"    - `{p.name}`: {escaped(p.about)}"
     yield f"- Source: {escaped(effect.words.source)}"
     yield f"- Typical sign: {escaped(effect.words.shows)}"
     yield f"- Experiment that shows it best: {escaped(effect.words.reveal)}"
@@ -65,7 +67,7 @@ def page(effect: Effect) -> Iterator[str]:
     if effect.search.twins:
         yield f"- Cannot be told from: {links(effect.search.twins)}"
     place = "@AXIS" if effect.locations else ""
-    values = "".join(f" {p.name}={p.example:g}" for p in effect.parameters)
+    values = "".join(f" {p.name}={p.example:g}" for p in effect.parameters if not p.optional)
     yield f"\n```sh\nworkbench add MODEL.toml {effect.name}{place}{values} -o new.toml\n```"
 
 
@@ -82,9 +84,15 @@ def where(effect: Effect) -> str:
 
 
 def parameters(effect: Effect) -> str:
-    """Names with units."""
-    each = (f"`{p.name}`" + (f" [`{p.unit}`]" if p.unit != "1" else "") for p in effect.parameters)
-    return ", ".join(each) or "none"
+    """Names with units; those that may be left out in brackets."""
+    needed = ", ".join(named(p) for p in effect.parameters if not p.optional) or "none"
+    more = ", ".join(named(p) for p in effect.parameters if p.optional)
+    return f"{needed} ({more})" if more else needed
+
+
+def named(parameter: Parameter) -> str:
+    """A name with its unit."""
+    return f"`{parameter.name}`" + (f" [`{parameter.unit}`]" if parameter.unit != "1" else "")
 
 
 def escaped(text: str) -> str:

@@ -80,6 +80,11 @@ class Finding:
     model_value: float | None = None
     total: Estimate | None = None
 
+    @property
+    def is_doubtful(self) -> bool:
+        """Return whether other causes are likelier, together, than the one that is named."""
+        return self.probability < 0.5
+
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):
@@ -173,12 +178,14 @@ class Disagreement:
         recordings: their names.
         key: the effect.
         values: its size in each of them.
+        parameter: whose value that is; empty where the effect has but one.
         meaning: two units that may have been taken for one another; empty where none are known.
     """
 
     recordings: tuple[str, ...]
     key: EffectKey
     values: tuple[float, ...]
+    parameter: str = ""
     meaning: str = ""
 
 

@@ -33,10 +33,11 @@ def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence
         findings: of a diagnosis.
 
     Returns:
-        One sentence a number; none for effects that are missing, or where the file cannot be told.
+        One sentence per number; none for effects that are missing, where another cause is likelier, or where
+        the file cannot be told.
     """
     lines = list[str]()
-    for finding in findings:
+    for finding in (f for f in findings if not f.is_doubtful):
         if finding.key.effect == _GAINS:
             lines += _gains(model, recordings, finding)
         elif finding.number and finding.model_value != 0.0:

@@ -18,7 +18,8 @@ from .node import Node, is_consistent
 from .node_acceptance import are_the_laws
 from .policy import POLICY
 from .problem import Problem, Progress, starting_fit
-from .screening.identifiability import disagreements, identifiability_of
+from .screening.disagreement import disagreements
+from .screening.identifiability import identifiability_of
 from .search_result import SearchResult
 
 
@@ -79,7 +80,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
     """
     problem = asked.problem
     start, first, model = problem.start, problem.data, problem.start.hypothesis.model
-    known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
+    known = None if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)
     node, trace = Node(start, first, done=before), ()
     if not before:
@@ -102,7 +103,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         node.near,
         known,
         # one set of values that explains all recordings refutes what but guessed at its cause
-        differing_units(data.recordings) if done else disagreeing,
+        () if only_jointly else _disagreeing(node, problem, done),
         node.jointly,
         None if only_jointly else problem.linear,
         trace,
@@ -110,12 +111,23 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
     )
 
 
-def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
-    """Return identifiability and disagreement of the recordings; empty if there is no linear problem."""
-    recordings = problem.data.recordings
-    units = differing_units(recordings)
+def _distinguishable(problem: Problem) -> Identifiability | None:
+    """Return what the recordings can tell apart; None if there is no linear problem."""
     if problem.linear is None:
-        return None, units
+        return None
     known = identifiability_of(problem.linear, problem.linearisation)
     problem.progress(f"the recordings can tell {len(known.separable)} of {known.count} effects apart")
-    return known, units or disagreements(problem.linear, [r.name for r in recordings])
+    return known
+
+
+def _disagreeing(node: Node, problem: Problem, done: bool) -> tuple[Disagreement, ...]:
+    """Return how recordings contradict each other, beside all effects that were found or lower the error.
+
+    One set of values that explains all of them refutes what but guesses at a cause.
+    """
+    recordings = problem.data.recordings
+    units = differing_units(recordings)
+    if done or units or problem.linear is None:
+        return units
+    beside = (*node.current.hypothesis.free, *node.near)
+    return disagreements(problem.linear, [r.name for r in recordings], beside)

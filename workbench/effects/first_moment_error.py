@@ -201,7 +201,11 @@ class FirstMomentError(Effect):
             return Response(-np.stack(shifts))
         own = _lever(link.inertial, link)
         off = shape["lever"] - own @ link.along, shape["aside"] - own @ link.across
-        need = carrying(motion, index, link.inertial.centre) + off[0] * shifts[0] + off[1] * shifts[1]
+        need = (
+            carrying(motion, motion.link(index), link.inertial.centre)
+            + off[0] * shifts[0]
+            + off[1] * shifts[1]
+        )
         if "gyration" in shape:
             more = in_proportion(link.inertial, link, shape["gyration"]) - link.inertial.tensor
             need = need + turning(motion, index, more)

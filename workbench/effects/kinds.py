@@ -122,4 +122,6 @@ def is_additive(effect: Effect) -> bool:
 
 def free_parameters(effect: Effect, model: Model) -> int:
     """Return the number of parameters that the data have to determine in this model."""
-    return effect.free(model) if isinstance(effect, Structural) else len(effect.parameters)
+    if isinstance(effect, Structural):
+        return effect.free(model)
+    return sum(not p.optional for p in effect.parameters)

@@ -13,7 +13,7 @@ import numpy as np
 from workbench.models import Inertial, Model, Placement, load_tree
 
 from .chain import Build
-from .motion import Motion
+from .motion import LinkMotion, Motion
 
 _NO_WAY = 1e-9  # m: two points that coincide
 _NO_TURN = 1e-12  # kg m^2: a point that has a mass
@@ -128,9 +128,8 @@ def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
     return np.einsum("kij,ki->kj", link.turn, needed)
 
 
-def carrying(motion: Motion, axis: int, centre: np.ndarray) -> np.ndarray:
+def carrying(motion: Motion, link: LinkMotion, centre: np.ndarray) -> np.ndarray:
     """Return the torque (N, n) that a link needs for 1 kg more at a point (3,), in its frame."""
-    link = motion.link(axis)
     w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
     out = link.rotation @ centre
     pushed = link.rise - motion.gravity + np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
@@ -139,20 +138,28 @@ def carrying(motion: Motion, axis: int, centre: np.ndarray) -> np.ndarray:
     )
 
 
+def leaning(motion: Motion, link: LinkMotion, way: np.ndarray) -> np.ndarray:
+    """Return the torque (N, n) that a link needs for a further first moment of 1 kg m along `way` (3,), in
+    its frame.
+
+    By a mass about its own origin, whose inertia about the origin stays.
+    """
+    w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
+    out = link.rotation @ way
+    pushed = np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
+    turned = np.cross(out, link.rise - motion.gravity)
+    return np.einsum("kij,ki->kj", link.move, pushed) + np.einsum("kij,ki->kj", link.turn, turned)
+
+
 def shifting(motion: Motion, axis: int, way: np.ndarray, centre: np.ndarray) -> np.ndarray:
     """Return the torque (N, n) that a link needs for a further first moment of 1 kg m along `way`, in
     its frame.
 
     By a mass of which the centre moves, so that the inertia about the hinge goes with it.
     """
-    link = motion.link(axis)
-    w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
-    out = link.rotation @ way
-    pushed = np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
-    turned = np.cross(out, link.rise - motion.gravity)
-    need = np.einsum("kij,ki->kj", link.move, pushed) + np.einsum("kij,ki->kj", link.turn, turned)
     outer = np.outer(centre, way)
-    return need + turning(motion, axis, 2.0 * (centre @ way) * np.eye(3) - outer - outer.T)
+    grown = 2.0 * (centre @ way) * np.eye(3) - outer - outer.T
+    return leaning(motion, motion.link(axis), way) + turning(motion, axis, grown)
 
 
 @lru_cache(maxsize=64)

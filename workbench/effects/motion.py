@@ -80,7 +80,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class LinkMotion:
-    """The body of a joint along N rows, world frame.
+    """The body of a joint, or a site, along N rows, world frame.
 
     Attributes:
         move, turn: Jacobians of its origin and of its rotation by q_p, (N, 3, n) each.
@@ -107,8 +107,8 @@ class Motion:
         known: where the torque that drives lack is known, (N, n): away from the ends, and where no dry
             friction of the model may hold.
         transmission: J with q_p = J q_s, (n, n).
-        kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
         link: number of a serial joint -> motion of its body.
+        site: name of a site -> its motion.
         required: motor torque at the tap that a model needs for this motion, (N, n).
         inertia: mass matrix of links and rotors, (N, n, n); `rotor`: inertia and damping of each drive's own
             rotor, (n,) each.
@@ -129,8 +129,8 @@ class Motion:
     gain: np.ndarray
     known: np.ndarray
     transmission: np.ndarray
-    kinematics: Callable[[str], np.ndarray]
     link: Callable[[int], LinkMotion]
+    site: Callable[[str], LinkMotion]
     required: Callable[[Model], np.ndarray]
     inertia: Callable[[], np.ndarray]
     rotor: tuple[np.ndarray, np.ndarray]

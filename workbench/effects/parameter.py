@@ -100,7 +100,7 @@ class Chart:
     identified.
 
     `values`: parameters from linear coefficients (k,) and the rest; `solved`: the inverse. `special`: linear
-    unknowns of a special case, by the name that a shape of that case has.
+    unknowns of another form, by the name that a shape of that form has.
     """
 
     unknowns: tuple[Unknown, ...]
@@ -140,21 +140,25 @@ class Parameters(tuple[Parameter, ...]):
         return self.linear_of({})
 
     def linear_of(self, shape: Values) -> tuple[Unknown, ...]:
-        """Return the same for one shape, which may be a special case."""
+        """Return the same for one shape, which may be that of another form."""
         special = self.chart.special if self.chart else {}
         own = next((unknowns for name, unknowns in special.items() if name in shape), self._unknowns)
         return tuple(u for u in own if u.linear)
 
     def count(self, values: Values) -> int:
-        """Return the number of unknowns for some values: fewer in a special case."""
+        """Return the number of unknowns for some values: another form has others."""
         if any(p.optional and p.name in values for p in self):
             coefficients, _ = self.to_coefficients(values)
             return len(coefficients) + len(self.nonlinear)
         return len(values)
 
     def is_special(self, shape: Values) -> bool:
-        """Return whether a shape is that of a special case, with its own unknowns."""
+        """Return whether a shape is that of another form, with its own unknowns."""
         return self.chart is not None and any(name in shape for name in self.chart.special)
+
+    def is_extended(self, shape: Values) -> bool:
+        """Return whether a shape is that of a form with more unknowns than the usual one: a refinement."""
+        return self.is_special(shape) and len(self.linear_of(shape)) > len(self.linear)
 
     @property
     def nonlinear(self) -> tuple[str, ...]:

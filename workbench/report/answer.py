@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from workbench.core import Diagnosis, Estimate, Finding, Improvement
 
@@ -38,11 +38,14 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return (
             f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise remains."
         )
-    gains = [f for f in result.findings if f.key.effect == _GAINS]
-    wrong = [f for f in result.findings if corrects(f) and f not in gains]
-    missing = [f for f in result.findings if f not in wrong and f not in gains]
-    told = " ".join(filter(None, [_gains(gains), _wrong(wrong), _missing(missing, bool(wrong or gains))]))
-    return told + (partly_sentence(result) if result.verdict == "partly_explained" else "")
+    kinds: dict[Callable[[Sequence[Finding], str], str], list[Finding]] = {}
+    for f in result.findings:  # what explains most comes first
+        kind = _gains if f.key.effect == _GAINS else _wrong if corrects(f) else _missing
+        kinds.setdefault(kind, []).append(f)
+    told = [tell(some, " too" if k else "") for k, (tell, some) in enumerate(kinds.items())]
+    return " ".join(told) + (
+        partly_sentence(result) if result.verdict == "partly_explained" else _fall_sentence(result)
+    )
 
 
 def _nothing(result: Diagnosis | None) -> str:
@@ -50,6 +53,17 @@ def _nothing(result: Diagnosis | None) -> str:
     if result is not None and result.stopped == "budget":
         return "the search ended before it had tried everything, and nothing so far explains what is missing"
     return "no effect that was tried explains what is missing"
+
+
+def _fall_sentence(result: Diagnosis) -> str:
+    """What stays of the error, with a space before it, where findings explain nearly all and more than noise
+    is left: a number that is far off makes all else look small.
+    """
+    before, after = result.held_out or (result.before, result.after)
+    if before is None or after is None or after.consistent:
+        return ""
+    first, last = (times_noise(c.error, c.noise_error) for c in (before, after))
+    return f" The error falls from {first} the noise to {last}." if first and last else ""
 
 
 def partly_sentence(result: Diagnosis) -> str:
@@ -84,15 +98,13 @@ def improvement_sentence(result: Improvement) -> str:
     return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
 
 
-def _gains(findings: Sequence[Finding]) -> str:
+def _gains(findings: Sequence[Finding], too: str) -> str:
     """That gains are not those that are stated: nothing is missing from the model."""
-    if not findings:
-        return ""
     told = []
     for f in findings:
         sizes = [f"{_OF_GAIN.get(name, name)} {interval(e)}" for name, e in f.parameters.items()]
         told.append(f"{place(f.key)} {any_of(sizes, 'and')} times what is stated{_or(f)}")
-    return f"The controller's gains are stated wrongly: {'; '.join(told)}."
+    return f"The controller's gains are stated wrongly{too}: {'; '.join(told)}."
 
 
 def corrects(finding: Finding) -> bool:
@@ -100,17 +112,17 @@ def corrects(finding: Finding) -> bool:
     return bool(finding.model_value if finding.model_value is not None else finding.number)
 
 
-def _wrong(findings: Sequence[Finding]) -> str:
+def _wrong(findings: Sequence[Finding], too: str) -> str:
     """Which numbers of the model are wrong, and what they are instead."""
-    if not findings:
-        return ""
     if len(findings) > _FEW:
         names = any_of(
             effect_phrases([f.key for f in findings], {f.key.effect: f.number for f in findings}), "and"
         )
-        return f"{capital(_count(len(findings)))} numbers of the model are wrong: {names}."
+        return f"{capital(_count(len(findings)))} numbers of the model are wrong{too}: {names}."
     told = any_of([_corrected(f) for f in findings], "and")
-    return f"{'A number' if len(findings) == 1 else 'Numbers'} of the model {_be(findings)} wrong: {told}."
+    return (
+        f"{'A number' if len(findings) == 1 else 'Numbers'} of the model {_be(findings)} wrong{too}: {told}."
+    )
 
 
 def _corrected(finding: Finding) -> str:
@@ -123,19 +135,19 @@ def _corrected(finding: Finding) -> str:
 
 
 def _or(finding: Finding) -> str:
-    """That it is one name of several, where others are likelier together than it."""
+    """That it is one name of several, or not sure, where other causes are likelier together than it."""
     others = len(finding.indistinguishable_from)
-    if not others or finding.probability >= 0.5:
+    if not finding.is_doubtful:
         return ""
+    if not others:
+        return f" (not sure: {percent(finding.probability)} probable)"
     if others == 1:
         return " (or another cause that looks the same)"
     return f" (or one of {_count(others)} other causes that look the same)"
 
 
-def _missing(findings: Sequence[Finding], beside: bool) -> str:
-    too = " too" if beside else ""
-    if not findings:
-        return ""
+def _missing(findings: Sequence[Finding], too: str) -> str:
+    """Which effects are missing, with their sizes where they are few."""
     if len(findings) == 1:
         one = findings[0]
         return f"Something is missing{too}: {sized_phrase(one.key, one.parameters)}{_or(one)}."

@@ -57,18 +57,26 @@ def effect_phrase(key: EffectKey) -> str:
 
 def sized_phrase(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
     """Return effect, place and one size: ``"viscous damping on the knee, 0.254 ± 0.003 N m s/rad"``."""
-    size = single_value(parameters)
-    if size and key.effect in _THINGS:
-        return f"{_THINGS[key.effect]} of {size.removeprefix(', ')} {place(key)}"
-    return f"{effect_phrase(key)}{size}"
+    if key.effect in _THINGS:
+        return _thing(key, parameters)
+    return f"{effect_phrase(key)}{single_value(parameters)}"
 
 
 def sized_in_list(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
     """Return `sized_phrase` for a list: ``"Coulomb friction on the knee drive (0.254 ± 0.003 N m)"``."""
+    if key.effect in _THINGS:
+        return _thing(key, parameters).replace(" (95 %)", "")
     size = single_value(parameters).removeprefix(", ").removesuffix(" (95 %)")
-    if size and key.effect in _THINGS:
-        return f"{_THINGS[key.effect]} of {size} {place(key)}"
     return f"{effect_phrase(key)} ({size})" if size else effect_phrase(key)
+
+
+def _thing(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
+    """``"a payload of 0.600 ± 0.003 kg at site 'tool'"``: the first number, the others in words."""
+    if not parameters:
+        return effect_phrase(key)
+    size = single_value(dict(list(parameters.items())[:1])).removeprefix(", ")
+    off = ", with its centre elsewhere" if len(parameters) > 1 else ""
+    return f"{_THINGS[key.effect]} of {size} {place(key)}{off}"
 
 
 def any_of(phrases: Sequence[str], word: str = "or") -> str:

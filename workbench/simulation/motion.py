@@ -18,7 +18,7 @@ from .experiment import Experiment, prepare, scored_torque
 from .inverse import gain_along, required_torque
 from .known_rows import known_rows
 from .native import com_slopes, mass_matrices
-from .postures import link_motions, site_jacobian
+from .postures import link_motions, site_motion
 from .trajectory import Track, interpolate
 
 _EVERY_S = 0.004  # inverse dynamics is smooth within this time
@@ -67,8 +67,8 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         gain=gain_along(chain, torque, step),
         known=known_rows(plant, track.velocity, step),
         transmission=model.transmission,
-        kinematics=lambda site: site_jacobian(plant, track, site),
         link=lambda joint: links()[joint],
+        site=cache(lambda name: site_motion(plant, track, step, name)),
         required=required,
         inertia=cache(lambda: mass_matrix(plant, track)),
         rotor=rotor_of(plant),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -16,32 +16,31 @@ from .trajectory import Track, joint_columns
 _STRIDE = 4  # rows; smooth between them
 
 
-def site_jacobian(plant: Plant, track: Track, site: str) -> np.ndarray:
-    """Return the Jacobian of the world position of a site with respect to q_p along a track, (N, 3, n)."""
-    m, full = plant.links, np.zeros((3, plant.links.nv))
-    _, dofs = joint_columns(m, plant.model.links[1])
-    ident = m.site(site).id
-
-    def of(data: mujoco.MjData, slope: np.ndarray) -> np.ndarray:
-        mujoco.mj_jacSite(m, data, full, None, ident)
-        return full[:, dofs] @ slope
-
-    return _spline(plant, track, of)(np.arange(len(track.position)))
+def site_motion(plant: Plant, track: Track, step: float, site: str) -> LinkMotion:
+    """Return the motion of a site along a track with rows `step` [s] apart."""
+    return _motions(plant, track, step, [(mujoco.mj_jacSite, "site_xmat", plant.links.site(site).id)])[0]
 
 
 def link_motions(plant: Plant, track: Track, step: float) -> list[LinkMotion]:
     """Return the motion of the body of each serial joint along a track with rows `step` [s] apart."""
-    m, names = plant.links, plant.model.links[1]
-    _, dofs = joint_columns(m, names)
-    bodies = [int(m.joint(name).bodyid[0]) for name in names]
-    full, n = np.zeros((2, 3, m.nv)), plant.model.size
+    bodies = [int(plant.links.joint(name).bodyid[0]) for name in plant.model.links[1]]
+    return _motions(plant, track, step, [(mujoco.mj_jacBody, "xmat", body) for body in bodies])
+
+
+def _motions(
+    plant: Plant, track: Track, step: float, frames: Sequence[tuple[Callable[..., None], str, int]]
+) -> list[LinkMotion]:
+    """Motions of frames: the function of their Jacobians, the array of their rotations, and their number."""
+    m, n = plant.links, plant.model.size
+    _, dofs = joint_columns(m, plant.model.links[1])
+    full = np.zeros((2, 3, m.nv))
 
     def of(data: mujoco.MjData, slope: np.ndarray) -> np.ndarray:
-        out = np.empty((len(bodies), 3, 2 * n + 3))
-        for own, body in zip(out, bodies, strict=True):
-            mujoco.mj_jacBody(m, data, full[0], full[1], body)
+        out = np.empty((len(frames), 3, 2 * n + 3))
+        for own, (jacobians, rotations, number) in zip(out, frames, strict=True):
+            jacobians(m, data, full[0], full[1], number)
             own[:, :n], own[:, n : 2 * n] = full[:, :, dofs] @ slope
-            own[:, 2 * n :] = data.xmat[body].reshape(3, 3)
+            own[:, 2 * n :] = getattr(data, rotations)[number].reshape(3, 3)
         return out
 
     spline, every = _spline(plant, track, of), np.arange(len(track.position))
@@ -54,7 +53,7 @@ def link_motions(plant: Plant, track: Track, step: float) -> list[LinkMotion]:
         LinkMotion(
             whole[:, i, :, :n], whole[:, i, :, n : 2 * n], whole[:, i, :, 2 * n :], rise[:, i], spin[:, i]
         )
-        for i in range(len(bodies))
+        for i in range(len(frames))
     ]
 
 

@@ -12,7 +12,7 @@ from workbench.core import Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, fit_effect
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.problem import Problem, starting_fit
-from workbench.diagnosis.screening.identifiability import disagreements
+from workbench.diagnosis.screening.disagreement import disagreements
 from workbench.diagnosis.screening.linear_problem import linear_along
 from workbench.effects import load_model
 from workbench.models import Model

@@ -46,13 +46,12 @@ def against_free_functions(
 ) -> Adequacy:
     """Return the adequacy of the first of some laws, against free functions in its place and beside it."""
     sizes = [_size(laws, rest, x) for x in beside]
-    each = [recording == i for i in np.unique(recording)]
+    each = [_size(laws[rows], rest[rows]) for rows in (recording == i for i in np.unique(recording))]
+    # one that turns a single way cannot tell friction from a constant: it says nothing of the size
+    told = [size for size, std in each if POLICY.significant * std < 1.0]
     return Adequacy(
         min(_share(f, part, rest) for f, part in free),
-        min(
-            *(size - POLICY.significant * std for size, std in sizes),
-            *(_size(laws[rows], rest[rows])[0] for rows in each),
-        ),
+        min([*(size - POLICY.significant * std for size, std in sizes), *told], default=0.0),
         max((abs(size - 1.0) for size, _ in sizes), default=0.0),
     )
 

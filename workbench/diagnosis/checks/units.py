@@ -43,7 +43,7 @@ def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]
         return ()
     values = tuple(float(x) for x in np.median(table, axis=1))
     meaning = " or ".join(name_factors(values[high] / values[low], named=TORQUE))
-    return (Disagreement(tuple(name for name, _ in known), EffectKey(_GAIN, None), values, meaning),)
+    return (Disagreement(tuple(name for name, _ in known), EffectKey(_GAIN, None), values, meaning=meaning),)
 
 
 def state_units(disagreeing: Sequence[Disagreement]) -> str | None:

@@ -17,6 +17,7 @@ from workbench.simulation import Run, as_recording, simulate
 
 from ..data import Data
 from ..hypothesis import applied_effect
+from ..naming import equivalents_of
 from ..policy import POLICY
 from ..search_result import SearchResult
 from .experiment_design import Option, designed, in_a_loop
@@ -49,15 +50,22 @@ def next_experiment(
             rival = next(iter(models))
             return tell_apart(step.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
         if rivals:
-            return (
-                f"{capital(effect_phrase(finding.key))} and {effect_phrase(rivals[0])} have the same "
-                "effect on this machine: no motion can distinguish them. To measure the size best: "
-                f"{effect_named(finding.key.effect).words.reveal}."
-            )
+            return _alike(finding.key, rivals[0], found)
     if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
         model = found.final.hypothesis.model if findings else found.model
         return follow_up(model, after.where, found.start_data.recordings)
     return None
+
+
+def _alike(key: EffectKey, rival: EffectKey, found: SearchResult) -> str:
+    """What to measure where no model has the rival: no motion tells twins apart, and one may tell others."""
+    if rival not in equivalents_of(found.model, key, found.start_data.recordings):
+        told = f"{effect_phrase(key)} from {effect_phrase(rival)}"
+        return f"These recordings cannot tell {told}. A motion that may: {_ways(key, rival)}."
+    return (
+        f"{capital(effect_phrase(key))} and {effect_phrase(rival)} have the same effect on this machine: no "
+        f"motion can distinguish them. To measure the size best: {effect_named(key.effect).words.reveal}."
+    )
 
 
 def _to_tell(key: EffectKey, rival: EffectKey) -> str:

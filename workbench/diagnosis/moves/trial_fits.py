@@ -144,16 +144,24 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
                 if x is not None:
                     at.at_first[c.key] = max(x, at.at_first.get(c.key, x))
         pairs += [(c, _as_read(c, f, at)) for c, f in zip(part, results, strict=True) if f is not None]
-    return sorted(_in_best_form(pairs), key=lambda cf: cf[1].training_loss)
+    return sorted(_in_best_form(pairs, at.floor), key=lambda cf: cf[1].training_loss)
 
 
-def _in_best_form(fits: Sequence[Explanation]) -> list[Explanation]:
-    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it."""
+def _in_best_form(fits: Sequence[Explanation], floor: float) -> list[Explanation]:
+    """Return one fit per effect: of the form that leaves least, or of a simpler one that ties with it.
+
+    An extended form has to leave less than half of the excess above the floor.
+    """
     known: dict[EffectKey, list[Explanation]] = {}
     for candidate, found in fits:
         known.setdefault(candidate.key, []).append((candidate, found))
     best = []
-    for own in known.values():
+    for key, own in known.items():
+        parameters = effect_named(key.effect).parameters
+        usual = [(c, f) for c, f in own if not parameters.is_extended(c.shape)]
+        left = min((f.test_loss for _, f in usual), default=np.inf)
+        enough = min(left / (1.0 + POLICY.tie), floor + POLICY.exchange_left * (left - floor))
+        own = [(c, f) for c, f in own if parameters.is_extended(c.shape) and f.test_loss < enough] or usual
         most = (1.0 + POLICY.tie) * min(f.test_loss for _, f in own)
         ties = [(c, f) for c, f in own if f.test_loss <= most]
         best.append(min(ties, key=lambda cf: (len(cf[0].coefficients), cf[1].test_loss)))

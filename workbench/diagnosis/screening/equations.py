@@ -39,6 +39,11 @@ class Entry:
         """Return the effects of single places that this entry stands for."""
         return self.alike or (self,)
 
+    @property
+    def is_extended(self) -> bool:
+        """Return whether its form is only a refinement of the usual one, and no effect of its own."""
+        return effect_named(self.key.effect).parameters.is_extended(self.shape)
+
 
 def limits_of(model: Model, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
     """Return physical bounds of an entry's coefficients in a model."""

@@ -3,26 +3,43 @@
 from __future__ import annotations
 
 from ..policy import POLICY
-from .selection import Selection, cost_of, gain_of, selection_of, with_new
-from .torque_regression import Chosen, Regression
+from .equations import Entry
+from .selection import Selection, cost_of, gain_of, loss_without, selection_of, with_new
+from .torque_regression import Chosen, Regression, Solution
 
 
 def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
     """Return new effects, each in the form that leaves least on data that were not fitted.
 
-    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis.
+    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis. An extended
+    form has to leave less than half of the excess of some axis.
     """
     for entry in new:
-        ways = [tuple(form if e is entry else e for e in new) for form in regression.forms(entry)]
-        new = min(ways, key=lambda way: float(regression.solved(with_new(beside, way)).test_loss.sum()))
+        best, *others = sorted(regression.forms(entry), key=lambda form: form.is_extended)
+        found = _with_form(new, entry, best, beside, regression)
+        for form in others:
+            tried = _with_form(new, entry, form, beside, regression)
+            if form.is_extended == best.is_extended:
+                better = tried.test_loss.sum() < found.test_loss.sum()
+            else:
+                gain = gain_of(tried, found, regression)
+                better = gain.max() > 1.0 - POLICY.exchange_left and gain.sum() > 0.0
+            best, found = (form, tried) if better else (best, found)
+        new = tuple(best if e is entry else e for e in new)
     return new
 
 
-def reformed(now: Selection, regression: Regression) -> Selection:
-    """Return the selection with each effect in its best form beside all others, and one form instead of two
-    effects.
+def _with_form(new: Chosen, entry: Entry, form: Entry, beside: Chosen, regression: Regression) -> Solution:
+    way = tuple(form if e is entry else e for e in new)
+    return regression.solved(with_new(beside, way))
 
-    A payload and a lighter link are together a link whose centre is elsewhere.
+
+def reformed(now: Selection, regression: Regression) -> Selection:
+    """Return the selection with each effect in its best form beside all others, and one form instead of
+    several effects.
+
+    A payload and a lighter link are together a link whose centre is elsewhere; links whose centres are
+    elsewhere, and a payload, are together a payload off its site.
     """
     for entry in now.chosen:
         others = tuple(e for e in now.chosen if e is not entry)
@@ -30,17 +47,15 @@ def reformed(now: Selection, regression: Regression) -> Selection:
         if best is not entry:
             return reformed(selection_of((*others, best), regression), regression)
         for form in regression.forms(entry)[1:]:
+            fewer = selection_of((*others, form), regression)
             for out in (e for e in others if regression.axes_of(e) & regression.axes_of(entry)):
-                fewer = selection_of((*(e for e in others if e is not out), form), regression)
-                if cost_of(fewer.chosen) <= cost_of(now.chosen) and _explains_as_much(
-                    fewer, now, without=(entry, out), regression=regression
-                ):
-                    return reformed(fewer, regression)
+                rest = selection_of(tuple(e for e in fewer.chosen if e is not out), regression)
+                if loss_without((out,), rest, now, regression) <= 1.0:
+                    fewer = rest
+            if len(fewer.chosen) < len(now.chosen) and _rank(fewer) <= _rank(now):
+                return reformed(fewer, regression)
     return now
 
 
-def _explains_as_much(fewer: Selection, now: Selection, without: Chosen, regression: Regression) -> bool:
-    """Return whether a selection explains nearly all that some effects of another explain, on every axis."""
-    bare = regression.solved(tuple(e for e in now.chosen if e not in without))
-    special, whole = (gain_of(s.solution, bare, regression) for s in (fewer, now))
-    return bool((whole - special < POLICY.effect_gain).all())
+def _rank(selection: Selection) -> tuple[tuple[int, int], float]:
+    return cost_of(selection.chosen), float(selection.solution.test_loss.sum())

@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
+from workbench.core import EffectKey, Estimate, Identifiability
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Model
 
@@ -111,47 +111,3 @@ def _can_replace(other: Entry, own: Entry, coefficients: np.ndarray, linear: Lin
     doubt = POLICY.significant * np.sqrt(np.diag(linear.covariance(other.linear)))
     size = linear.replacement(own.linear, coefficients, other.linear)
     return bool(((low - doubt <= size) & (size <= high + doubt)).all())
-
-
-def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:
-    """Return, for the effect that best explains each recording alone, sizes that differ between recordings.
-
-    A recording that is nearly explained as it is, beside the others, says that the effect is none there. What
-    stays unexplained of a recording makes its size as uncertain as if as much again hid behind the effect.
-
-    Args:
-        linear: all effects and the normal equations by recording.
-        names: of the recordings.
-    """
-    if (linear.excess <= linear.quiet).all():  # what is at the noise contradicts nothing
-        return ()
-    single = [e for e in linear.entries if len(e.linear) == 1 and len(linear.own) > 1]
-    tried = [(own[2].sum(), e, own) for e in single if (own := _by_recording(linear, e)) is not None]
-    if not tried:
-        return ()
-    _, entry, (sizes, deviations, left) = min(tried, key=lambda t: t[0])
-    low, high = int(sizes.argmin()), int(sizes.argmax())
-    unclear = (left > np.maximum((1.0 - POLICY.explained) * linear.excess.max(), linear.quiet)).any()
-    doubt = deviations * np.maximum(POLICY.significant, np.sqrt(np.maximum(left, 0.0)))
-    least = max(POLICY.disagreement * np.abs(sizes).max(), np.hypot(doubt[low], doubt[high]))
-    if unclear or np.ptp(sizes) < least:
-        return ()
-    effect = effect_named(entry.key.effect)
-    shapes = effect.parameters.nonlinear
-    (name,) = (p.name for p in effect.parameters if p.name not in shapes and not p.optional)
-    values = [effect.parameters.to_values(np.array([x]), entry.shape)[name] for x in sizes]
-    return (Disagreement(tuple(names[: len(values)]), entry.key, tuple(map(float, values))),)
-
-
-def _by_recording(linear: Linear, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Return sizes of an effect by recording, their deviations, and the error left above the noise, (R,)
-    each.
-
-    None where a recording shows nothing of it.
-    """
-    (k,) = entry.linear
-    gram = np.array([own.gram[k, k] for own in linear.own])
-    right = np.array([own.right[k] for own in linear.own])
-    if (gram <= 0.0).any():
-        return None
-    return right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram

@@ -26,6 +26,7 @@ class Linear:
 
     Attributes:
         entries: one for each effect in each place.
+        forms: each effect in all of its shapes.
         own: normal equations of each recording.
         quiet: squared residual of each that noise alone leaves, (R,).
         equations: of all effects in all shapes as they travel round loops; None along a measured motion.
@@ -45,6 +46,7 @@ class Linear:
         """
         self.own, self.quiet, self.equations = tuple(own), quiet, equations
         self._gram, self._noise, self._white = total(self.own).gram, scattered, white
+        self.forms = tuple(entries)
         shapes: dict[EffectKey, list[Entry]] = {}
         for entry in entries:
             if not effect_named(entry.key.effect).parameters.is_special(entry.shape):

@@ -29,7 +29,8 @@ def rivals_of(
     axis = int((without - left).argmax())
     least: dict[EffectKey, float] = {}
     for other in regression.entries:
-        if same_cause(other.key, entry.key) or axis not in regression.axes_of(other):
+        alike = same_cause(other.key, entry.key) or other.is_extended
+        if alike or axis not in regression.axes_of(other):
             continue
         if fits_in((other,), others) and _stands_for(regression, chosen, entry, other):
             now = float(regression.left((*others, other))[axis])

@@ -75,3 +75,25 @@ def cost_of(new: Chosen) -> tuple[int, int]:
     effects = [effect_named(e.key.effect) for e in new]
     free = sum(len(e.linear) + len(f.parameters.nonlinear) for e, f in zip(new, effects, strict=True))
     return free, sum(map(kinds.tier_of, effects))
+
+
+def are_basic(new: Chosen) -> bool:
+    """Return whether all are inertia, damping, Coulomb friction or a payload."""
+    return all(effect_named(e.key.effect).search.basic for e in new)
+
+
+def least_gain(new: Chosen, regression: Regression) -> float:
+    """Return the smallest gain on an axis for which effects are added: low for basic effects, and for more of
+    what the model has (such as another harmonic of its ripple).
+    """
+    known = are_basic(new) or all(
+        e.key.copy > 1 or any(e.key.same_place(k) for k in regression.own) for e in new
+    )
+    return POLICY.effect_gain if known else POLICY.later_gain
+
+
+def loss_without(out: Chosen, rest: Selection, whole: Selection, regression: Regression) -> float:
+    """Return how much more a selection explains than one without some effects, over what is asked of these
+    (more than 1: they are needed).
+    """
+    return float((gain_of(whole.solution, rest.solution, regression) / least_gain(out, regression)).max())

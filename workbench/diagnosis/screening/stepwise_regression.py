@@ -15,7 +15,17 @@ from ..moves.choice import may_stand_together
 from ..policy import POLICY
 from .equations import Entry
 from .forms import in_best_form, reformed
-from .selection import Selection, cost_of, gain_of, promised_gain, selection_of, with_new
+from .selection import (
+    Selection,
+    are_basic,
+    cost_of,
+    gain_of,
+    least_gain,
+    loss_without,
+    promised_gain,
+    selection_of,
+    with_new,
+)
 from .torque_regression import Chosen, Regression, Solution
 
 
@@ -46,7 +56,7 @@ def _selected_from(start: Chosen, regression: Regression) -> Selection:
         visited.add(frozenset(now.chosen))
         more = grown(now, regression, regression.entries)
         now = _one_for_several(without_needless(reformed(more, regression), regression), regression)
-        if len(now.chosen) == len(more.chosen):
+        if set(now.chosen) == set(more.chosen):
             break
     return now
 
@@ -64,7 +74,7 @@ def _one_make(regression: Regression) -> list[Chosen]:
 
 def grown(now: Selection, regression: Regression, entries: Chosen) -> Selection:
     """Return the selection with all of some effects that help, added one at a time."""
-    proposals = [*((e,) for e in entries), *_sets_of_basics(entries)]
+    proposals = [*((e,) for e in entries if not e.is_extended), *_sets_of_basics(entries)]
     gains: dict[Chosen, np.ndarray] = {}
     while True:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
@@ -127,7 +137,7 @@ def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
         return None
     top = max(helpful.values(), key=lambda g: g.max())
     axis, most = int(top.argmax()), float(top.max())
-    basic = [p for p, g in helpful.items() if _basic(p) and g[axis] > POLICY.basic_share * most]
+    basic = [p for p, g in helpful.items() if are_basic(p) and g[axis] > POLICY.basic_share * most]
     pool = basic or list(helpful)
     most = max(helpful[p][axis] for p in pool)
     near = [p for p in pool if helpful[p][axis] >= POLICY.explained * most]
@@ -151,10 +161,6 @@ def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
     axis = int(whole.argmax())
     at_noise = found.test_loss[axis] < POLICY.at_noise * regression.test_floor[axis]
     return bool(special[axis] > POLICY.basic_share * whole[axis] and not at_noise)
-
-
-def _basic(new: Chosen) -> bool:
-    return all(effect_named(e.key.effect).search.basic for e in new)
 
 
 def fits_in(new: Chosen, chosen: Chosen) -> bool:
@@ -181,16 +187,6 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
     basic.sort(key=lambda e: (str(e.key.axis), e.key.location))
     places = [list(own) for _, own in groupby(basic, lambda e: (e.key.axis, e.key.location))]
     return [s for own in places for size in (2, 3) for s in combinations(own, size)]
-
-
-def least_gain(new: Chosen, regression: Regression) -> float:
-    """Return the smallest gain on an axis for which effects are added: low for basic effects, and for more of
-    what the model has (such as another harmonic of its ripple).
-    """
-    known = _basic(new) or all(
-        e.key.copy > 1 or any(e.key.same_place(k) for k in regression.own) for e in new
-    )
-    return POLICY.effect_gain if known else POLICY.later_gain
 
 
 def _one_for_several(now: Selection, regression: Regression) -> Selection:
@@ -225,10 +221,7 @@ def without_needless(now: Selection, regression: Regression) -> Selection:
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
         fewer = [selection_of(r, regression) for r in rest]
-        lost = [
-            float((gain_of(now.solution, f.solution, regression) / least_gain((out,), regression)).max())
-            for out, f in zip(now.chosen, fewer, strict=True)
-        ]
+        lost = [loss_without((out,), f, now, regression) for out, f in zip(now.chosen, fewer, strict=True)]
         k = int(np.argmin(lost))
         if lost[k] > 1.0:
             break
