@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from workbench_exam.__main__ import main
 from workbench_exam.table import lines_of, read_lines, table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,3 +54,14 @@ def test_marks_are_the_same_when_read_back(tmp_path: Path) -> None:
     file.write_text(json.dumps({"case": "case-000"}) + "\n")
     with pytest.raises(ValueError, match=r"marks.jsonl:1: no mark of a solver"):
         read_lines(file)
+
+
+def test_the_command_on_the_page_prints_its_first_table(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = "workbench-exam table exam/open-marks.jsonl --first 24"
+    assert any(f"`{command}`" in line for line in PAGE)
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("sys.argv", command.split())
+    main()
+    assert capsys.readouterr().out.strip() == table(TABLES[0])
