@@ -68,19 +68,22 @@ interop: setup
 	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
 	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
 
-# A solver through the first CASES of the exam, from nothing: an environment of its own, cases, answers, a table.
-# A solver that fails in some cases is marked all the same.
+# Solvers through the first CASES of the exam, from nothing: an environment of its own, cases, answers, a table.
+# SOLVER="a.py b.py": several in one table; SOLVER=all: every baseline. One that fails in some cases is marked all the same.
 SOLVER ?= exam/baselines/least_squares_bic.py
 CASES ?= 24
+BASELINES := nothing least_squares_bic least_squares_aic sparse network symbolic closed_loop sysid
+SOLVERS := $(if $(filter all,$(SOLVER)),$(BASELINES:%=exam/baselines/%.py),$(SOLVER))
 COMMA := ,
-LIBRARIES := $(if $(filter sparse network symbolic closed_loop sysid,$(basename $(notdir $(SOLVER)))),$(COMMA)baselines)
+LIBRARIES := $(if $(filter sparse network symbolic closed_loop sysid,$(basename $(notdir $(SOLVERS)))),$(COMMA)baselines)
 LOCKS := -c requirements.lock -c requirements-training.lock -c exam/requirements-baselines.lock
+ANSWERS := build/exam/answers-$(CASES)
 exam:
 	test -x build/exam/bin/python || $(PYTHON) -m venv build/exam
 	build/exam/bin/python -m pip install --quiet --disable-pip-version-check $(LOCKS) './exam[plants$(LIBRARIES)]' mujoco
 	build/exam/bin/python -m workbench_exam make build/exam/cases-$(CASES) --count $(CASES) --jobs $(WORKERS)
-	-build/exam/bin/python -m workbench_exam run $(SOLVER) build/exam/cases-$(CASES) -o build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
-	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
+	for solver in $(SOLVERS); do build/exam/bin/python -m workbench_exam run $$solver build/exam/cases-$(CASES) -o $(ANSWERS)/$$(basename $$solver .py); done || true
+	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) $(addprefix $(ANSWERS)/,$(basename $(notdir $(SOLVERS))))
 
 # The package without a clone: wheel and sdist in an empty environment of each Python that this machine has.
 packages: setup

@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("marks", type=Path, nargs="+", help="folders with marks.json, or files of lines")
     parser.add_argument("-o", "--out", type=Path, required=True)
     parser.add_argument("--confusion", nargs="*", help="solvers to show there; default: all")
+    parser.add_argument("--first", type=int, help="only so many cases of each solver")
     arguments = parser.parse_args()
     solvers: dict[str, Marks] = {}
     for given in arguments.marks:
@@ -40,6 +41,7 @@ def main() -> None:
             solvers[given.name] = read_json(given / "marks.json")
         else:
             solvers |= read_lines(given)
+    solvers = {name: marks[: arguments.first] for name, marks in solvers.items()}
     shown = {name: solvers[name] for name in arguments.confusion or solvers}
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name, figure in (

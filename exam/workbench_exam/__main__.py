@@ -3,7 +3,7 @@
 workbench-exam make cases                      # the open set: 60 cases of seed 0
 workbench-exam run baselines/nothing.py cases  # answers in answers/nothing
 workbench-exam score cases answers/*           # a table, and marks.json beside the answers of each
-workbench-exam table exam/open-marks.jsonl     # the table of marks that `score --lines FILE` kept
+workbench-exam table exam/open-marks.jsonl     # the table of marks that `score --lines FILE` kept; --first 24
 workbench-exam reveal cases --key KEY          # truth.json into each case, after answers are in
 workbench-exam hashes cases                    # to compare with exam/open.sha256
 """
@@ -60,6 +60,7 @@ def main() -> None:
     )
     kept = does.add_parser("table", help="the table of such a file, without cases or answers")
     kept.add_argument("lines", type=Path)
+    kept.add_argument("--first", type=_counted, help="only so many cases of each solver")
     reveal = does.add_parser("reveal", help="write the truth into each case's folder, and check its seal")
     reveal.add_argument("cases", type=Path)
     reveal.add_argument("--key", default=OPEN_KEY)
@@ -159,7 +160,7 @@ def _score(a: argparse.Namespace) -> None:
 
 
 def _table(a: argparse.Namespace) -> None:
-    print(table(read_lines(a.lines)))
+    print(table({solver: marks[: a.first] for solver, marks in read_lines(a.lines).items()}))
 
 
 def _marks(a: argparse.Namespace, answers: Path, judge: Judge | None) -> list[dict[str, Any]]:
