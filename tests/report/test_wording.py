@@ -220,3 +220,37 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
     assert diagnosis_dict(told)["mend"] == [line]
     both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
     assert "Something is missing too: Coulomb friction" in both
+
+
+def test_what_explains_most_is_told_first_and_what_is_not_sure_says_so(diagnosis) -> None:
+    missing = diagnosis.findings[0]
+    wrong = replace(
+        missing,
+        key=EffectKey("viscous_damping", "hip"),
+        number="damping",
+        model_value=0.6,
+        total=Estimate(0.9, 0.1, "N*m*s/rad"),
+        probability=0.12,
+    )
+    told = sentence(replace(diagnosis, findings=(missing, wrong)))
+    assert told.startswith("Something is missing: Coulomb friction on the knee drive")
+    assert "A number of the model is wrong too: the damping on the hip drive is" in told
+    assert "(not sure: 12 % probable)" in told
+    assert "not sure" not in sentence(replace(diagnosis, findings=(missing,)))
+
+
+def test_what_stays_of_the_error_is_told_where_it_is_more_than_noise(diagnosis, comparison) -> None:
+    """One number that is far off makes all else look small."""
+    noise = comparison.noise_error
+    before, after = (replace(comparison, error=times * noise, consistent=False) for times in (90.0, 5.1))
+    far = replace(diagnosis, before=before, after=after, held_out=None)
+    assert sentence(far).endswith(" The error falls from 90.0 times the noise to 5.1 times.")
+    assert "falls from" not in sentence(replace(far, after=replace(after, consistent=True)))
+
+
+def test_a_payload_off_its_site_is_told_by_its_mass() -> None:
+    key = EffectKey("payload_mass", None, site="tool")
+    mass = {"mass": Estimate(2.95, 0.03, "kg")}
+    assert sized_phrase(key, mass) == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool'"
+    off = sized_phrase(key, {**mass, "moment_x": Estimate(0.1, 0.01, "kg*m")})
+    assert off == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool', with its centre elsewhere"

@@ -72,7 +72,9 @@ def _told(found: _Apart, which: int, names: Sequence[str]) -> Disagreement:
     """The disagreement in one of the unknowns of an effect."""
     entry, parameters = found.entry, effect_named(found.entry.key.effect).parameters
     name = parameters.linear_of(entry.shape)[which].name
-    values = [float(parameters.to_values(sizes, entry.shape)[name]) for sizes in found.sizes]
+    told = [parameters.to_values(sizes, entry.shape) for sizes in found.sizes]
+    # an unknown of a chart that is no parameter stands for itself
+    values = [float(own.get(name, sizes[which])) for own, sizes in zip(told, found.sizes, strict=True)]
     several = name if len(entry.linear) > 1 else ""
     return Disagreement(tuple(names[: len(values)]), entry.key, tuple(values), several)
 
