@@ -90,8 +90,7 @@ def _check_answers(table: Table, answers: Answers) -> None:
     for kind, text in answers.units.items():
         wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
         if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
-            known = kind if kind in UNITS else "position"
-            remedy = f"e.g. --unit {known}={UNITS[known]}"
+            remedy = f"e.g. --unit {kind}={UNITS[kind]}" if kind in UNITS else f"choose of {', '.join(UNITS)}"
             if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
                 remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one per axis"
             raise InputError(
