@@ -90,6 +90,10 @@ class Curves:
                 for look, run in (("before", before), ("after", after))
                 if run is not None and run.get(name) is not None
             }
+            if (
+                k and not self.figures[1].visible
+            ):  # along the measured motion; rows that do not count are no run
+                runs = {look: np.where(run == measured[:, axis], np.nan, run) for look, run in runs.items()}
             real = np.where(recording.valid, measured[:, axis], np.nan)
             curves = {"measured": real, **runs}
             followed = runs and all(np.array_equal(run, measured[:, axis]) for run in runs.values())
