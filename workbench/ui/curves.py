@@ -14,7 +14,7 @@ from workbench.report.residuals import min_max
 
 from .plots import band, crosshair, figure, line, set_range, span_of, zooming
 
-_BINS = 900  # stretches that a curve is thinned to: about one a pixel
+_BINS = 900  # stretches that a curve is thinned to: about one per pixel
 _SIGNALS = (("position", "position"), ("torque_measured", "torque"))
 _LOOKS = ("measured", "before", "after")
 _HEIGHTS, _BELOW = (190, 125), 46  # of a curve and of its residual, and what the time takes below [pixels]
