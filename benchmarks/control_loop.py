@@ -41,7 +41,7 @@ def main() -> None:
     arguments = parser.parse_args()
     result = tracker(arguments.seconds, arguments.time_scale, arguments.seed)
     for line in result["lacks"]:
-        print(f"said before it began: lacks time: {line}")
+        print(f"said before it began: not enough time: {line}")
     trip = result["round_trip_ms"]
     print("                 round trip p50 / p99    missed ticks")
     _line("over CAN", trip["p50"], trip["p99"], result["missed_share"])

@@ -51,7 +51,7 @@ def robot(folder: Path, protocol: str) -> CanConfig:
 
 
 class Swing:
-    """Swings the legs; what it answers can be spoilt, late, or nothing at all.
+    """FreeDecay the legs; what it answers can be spoilt, late, or nothing at all.
 
     Attributes:
         since: when it begins to swing [s].

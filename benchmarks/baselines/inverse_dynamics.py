@@ -25,7 +25,7 @@ _SLOW = 0.01  # speed at which a direction of motion is sure [rad/s]
 PLACES = (("hip", "actuator", (1.0, 0.0)), ("knee", "actuator", (0.0, 1.0)), ("knee", "joint", (-1.0, 1.0)))
 
 #: Columns (K, N, 2) to estimates by name: coefficients (K,) -> {parameter: (value, gradient (K,))}.
-Reading = Callable[[np.ndarray], dict[str, tuple[float, np.ndarray]]]
+FilteredRecording = Callable[[np.ndarray], dict[str, tuple[float, np.ndarray]]]
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Candidate:
 
     key: EffectKey
     columns: np.ndarray
-    reading: Reading
+    reading: FilteredRecording
 
 
 def motion_of(recordings: Sequence[Recording]) -> Motion:
@@ -171,7 +171,7 @@ def _unit(count: int, index: int) -> np.ndarray:
     return np.eye(count)[index]
 
 
-def _plain(*names: str) -> Reading:
+def _plain(*names: str) -> FilteredRecording:
     return lambda x: {name: (float(x[i]), _unit(len(x), i)) for i, name in enumerate(names)}
 
 
@@ -180,11 +180,11 @@ def _gain(x: np.ndarray) -> dict[str, tuple[float, np.ndarray]]:
     return {"gain": (1.0 / (1.0 + float(x[0])), np.array([-1.0 / (1.0 + float(x[0])) ** 2]))}
 
 
-def _more(name: str) -> Reading:
+def _more(name: str) -> FilteredRecording:
     return lambda x: {name: (1.0 + float(x[0]), np.array([1.0]))}
 
 
-def _stribeck(speed: float) -> Reading:
+def _stribeck(speed: float) -> FilteredRecording:
     return lambda x: {
         "coulomb": (float(x[0]), _unit(2, 0)),
         "static": (float(x[0] + x[1]), np.ones(2)),
@@ -197,7 +197,7 @@ def _spring(x: np.ndarray) -> dict[str, tuple[float, np.ndarray]]:
     return {"stiffness": (k, _unit(2, 0)), "rest": (moment / k, np.array([-moment / k**2, 1.0 / k]))}
 
 
-def _wave(order: float) -> Reading:
+def _wave(order: float) -> FilteredRecording:
     def read(x: np.ndarray) -> dict[str, tuple[float, np.ndarray]]:
         size = float(np.hypot(*x))
         return {

@@ -86,6 +86,19 @@ def test_a_name_that_no_file_can_have_is_refused_at_once(files: dict[str, Path],
     assert ended.stdout == ""
 
 
+@pytest.mark.parametrize("name", [n for n, c in TREE.items() if outputs(c, Path("x"), ".toml")])
+def test_an_output_below_a_folder_that_is_not_there_is_a_typing_error(
+    name: str, files: dict[str, Path], tmp_path: Path
+) -> None:
+    """One new folder is made for an output, not a chain of them."""
+    arguments = [p.name for p in TREE[name].params if p.param_type_name == "argument"]
+    words = [*name.split(), *asked(name, arguments, files)]
+    for option, file in outputs(TREE[name], Path("gone/below"), SUFFIX.get(name, ".toml")).items():
+        ended = run(*words, option, file, cwd=tmp_path)
+        assert not fine(ended, [*words, option]) and "there is no folder 'gone'" in ended.stderr, ended.stderr
+        assert ended.stdout == "" and not (tmp_path / "gone").exists()
+
+
 @pytest.mark.parametrize("option", ["--html", "--json", "--mcap"])
 @pytest.mark.parametrize("command", ["compare", "diagnose"])
 def test_no_result_takes_the_place_of_an_input(

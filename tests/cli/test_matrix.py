@@ -147,7 +147,7 @@ ENDINGS = {
     "--rerun": ".rrd",
     "--trace": ".html",
 }  # of an option that writes a FILE; of others: a picture
-READS = {"--record"}  # options of a FILE that is there already
+READS = {"--record", "--task"}  # options of a FILE that is there already
 
 
 def tree() -> dict[str, Any]:

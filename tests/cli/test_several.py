@@ -60,6 +60,8 @@ def test_models_among_recordings_are_left_out_with_a_note(imported: Path) -> Non
     write_model(load_model(imported / "arm.xml"), imported / "data" / "better.toml", force=True)
     ended = run("inspect", "data/better.toml", "data/check.toml", "data/sweep.toml", cwd=imported)
     assert ended.returncode == 0 and "note: data/better.toml is a model" in ended.stderr
+    quoted = run("inspect", "data/*.toml", cwd=imported)
+    assert quoted.returncode == 0 and "note: data/better.toml" in quoted.stderr
     alone = run("inspect", "data/better.toml", cwd=imported)
     assert alone.returncode == 2 and "is not a recording" in alone.stderr
     assert [r.name for r in load_recordings(str(imported / "data" / "*.toml"))] == ["check", "sweep"]

@@ -16,22 +16,22 @@ _BY_RUNS = ("ground_friction", "link_length_error")  # on the ground no torque a
 
 def replay(kind: str, folder: Path) -> Replay:
     """A replay of one short recording."""
-    if kind == "Swings":
+    if kind == "FreeDecay":
         return replay_of(pendulum(folder), [recorded(swing(0.9, duration=5.0))])
-    if kind == "Grounded":
+    if kind == "ContactWindows":
         step = [e for e in plate_experiments(duration=0.4) if e.name == "step"]
         return replay_of(load_model("leg_on_plate"), VirtualLeg((), seed=2, plate=Plate()).run(step))
     made = VirtualLeg((), seed=2).run([chirp("knee", duration=1.0)])
-    return replay_of(load_model("leg"), followed(made) if kind == "MeasuredMotion" else made)
+    return replay_of(load_model("leg"), followed(made) if kind == "InverseDynamicsReplay" else made)
 
 
 @pytest.mark.parametrize(
     ("kind", "simulates", "driven", "machine_alone", "smooth", "shown", "by_runs"),
     [
         ("ClosedLoop", True, True, True, True, {"backlash", "encoder_scale"}, set()),
-        ("MeasuredMotion", False, True, True, True, {"backlash", "encoder_scale"}, set()),
-        ("Swings", True, False, True, True, set(), set()),
-        ("Grounded", True, True, False, False, {"ground_friction", "encoder_scale"}, {*_BY_RUNS}),
+        ("InverseDynamicsReplay", False, True, True, True, {"backlash", "encoder_scale"}, set()),
+        ("FreeDecay", True, False, True, True, set(), set()),
+        ("ContactWindows", True, True, False, False, {"ground_friction", "encoder_scale"}, {*_BY_RUNS}),
     ],
 )  # fmt: skip
 def test_what_a_kind_can_show(

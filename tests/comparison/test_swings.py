@@ -11,7 +11,7 @@ import pytest
 from tests.free_motion import INERTIA, LENGTH, MASS, STEP, friction, pendulum, recorded, swing
 from workbench.comparison import NoiseModel, compare, is_free
 from workbench.comparison.swing_starts import swing_starts
-from workbench.comparison.swings import Swings
+from workbench.comparison.swings import FreeDecay
 from workbench.core import Controller, InputError, Recording
 from workbench.effects import compile_plant, load_model
 from workbench.simulation import Disturbance
@@ -75,7 +75,7 @@ def test_a_right_model_stays_at_the_noise_however_long_the_run(tmp_path: Path) -
 
 def test_a_small_torque_does_what_the_linearised_swings_say(tmp_path: Path) -> None:
     model, recording = pendulum(tmp_path), recorded(swing(0.8, duration=6.0), noise=1e-6)
-    replay = Swings([recording], NoiseModel.of([recording]))
+    replay = FreeDecay([recording], NoiseModel.of([recording]))
     plant, damping = compile_plant(model), 1e-3
     (clean,) = replay.run([model])[0]
     motion = replay.motion(plant, 0, clean)

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from workbench.core.units import to_si
+from workbench.core.units import is_unit, to_si
 
 
 @pytest.mark.parametrize(
@@ -59,3 +59,15 @@ def test_a_unit_that_would_take_hours_is_refused_at_once(unit: str) -> None:
     with pytest.raises(ValueError, match="unknown unit") as refused:
         to_si(unit, "position")
     assert time.process_time() - began < 1.0 and len(str(refused.value)) < 100
+
+
+@pytest.mark.parametrize(
+    ("unit", "wanted", "same"),
+    [
+        ("N m", "N*m", True), ("N*m*s/rad", "N*m/(rad/s)", True), ("kg*m**2", "kg*m^2", True),
+        ("", "1", True), ("mN*m", "N*m", False), ("furlong", "N*m", False), ("deg", "rad", False),
+        ("no unit", "rad", False), ("9**9**9**9", "rad", False),
+    ],
+)  # fmt: skip
+def test_a_unit_in_other_words_is_the_same(unit: str, wanted: str, same: bool) -> None:
+    assert is_unit(unit, wanted) is same

@@ -199,7 +199,7 @@ def test_a_line_of_the_computer_stops_when_it_is_low_or_gone(tmp_path: Path, pul
         "pulled down, if it can be"
     )
     table["line"] = 3
-    said = r"line 3 of .*gpiochip0 cannot be had \(Invalid argument\)"
+    said = r"line 3 of .*gpiochip0 cannot be opened \(Invalid argument\)"
     other = config(tmp_path, [motor("m", 1)], stop=table)
     with pytest.raises(InputError, match=said), stop_line(other, kernel):
         pass
@@ -237,7 +237,7 @@ def test_datagrams_ask_and_who_falls_silent_lets_it_stand() -> None:
     assert ear.watch() is None and not command.asked.any()
     assert say({"stop": True}) == "a datagram"
     mouth.close()
-    with pytest.raises(InputError, match="cannot be had"):
+    with pytest.raises(InputError, match="cannot be opened"):
         Datagrams(command, half, ear.port, lambda: 0.0)
     ear.close()
 

@@ -59,7 +59,7 @@ def test_drives_that_answer_late_are_told_of(tmp_path: Path) -> None:
     robot.host.verify()
     robot.network.tamper = lambda a: [(a.stamp + 0.0028, a)]
     lacks = budget(robot.host, robot.config, robot.controller, said.append)
-    assert len(lacks) == 2 and said[0].startswith("lacks time: an exchange takes")
+    assert len(lacks) == 2 and said[0].startswith("not enough time: an exchange takes")
     robot.network.tamper = None
     assert budget(robot.host, robot.config, robot.controller, said.append, ["realtime"])[0].endswith(
         "realtime"

@@ -25,7 +25,7 @@ def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_run_goes_on_and_is_not_kept(alone: Path) -> None:
     there = set(alone.parent.iterdir())
     done = CliRunner().invoke(app, ["deploy", "tracker", str(alone), "--yes", "--seconds", "1"])
-    assert "not kept: virtual serves one process at a time" in done.stderr
+    assert "not recorded: virtual serves one process at a time" in done.stderr
     assert "does not answer" in str(done.exception) and set(alone.parent.iterdir()) == there
 
 

@@ -56,8 +56,8 @@ def with_limits(folder: Path, **limits: object) -> Path:
         ({"variant": "kin_only"}, "for variant kin_only, not exact"),
         ({"passed": False}, "a check of its model"),
         ({"recordings": []}, "compared with no recording"),
-        ({"consistent": False}, "more than noise"),
-        ({"consistent": "yes"}, "more than noise"),
+        ({"consistent": False}, "above the noise"),
+        ({"consistent": "yes"}, "above the noise"),
     ],
 )
 def test_an_approval_is_what_approve_wrote_of_this_very_model(tmp_path: Path, record, said) -> None:
@@ -107,7 +107,7 @@ def test_a_robot_that_may_do_more_is_held_to_what_was_trained(tmp_path: Path) ->
     check_bundle(loaded, config, joints_of(config))
     limits, lines = permitted(config, loaded, dry=True, unapproved=False, tested=False)
     assert limits.torque.tolist() == [10.0, 24.0] and limits.velocity.tolist() == [20.0, 20.0]
-    assert lines[0].endswith("trained with: hip")
+    assert lines[0].endswith("(10 N m or more): hip")
 
 
 def mit(folder: Path, protocol: str = "mit", **more: object):
@@ -136,7 +136,7 @@ def test_a_watchdog_that_nobody_reads_leaves_a_tenth_of_torque(tmp_path: Path, p
     seen = mit(tmp_path, protocol, watchdog_tested=date(2026, 5, 1))
     assert not permitted(seen, None, dry=False, unapproved=False, tested=False)[1]
     refuse_untested(seen)
-    with pytest.raises(InputError, match="has not come yet"):
+    with pytest.raises(InputError, match="is in the future"):
         mit(tmp_path, watchdog_tested=date.today() + timedelta(days=2))
 
 

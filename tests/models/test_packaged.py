@@ -78,7 +78,10 @@ def test_a_packaged_robot_is_the_model_of_its_file(
             "no robot 'arm_mj_descripton'; did you mean arm_mj_description",
         ),
         ("robot_descriptions:", "it has arm_description, arm_mj_description, lost, xacro_only"),
-        ("robot_descriptions:lost", "no route to host; robot_descriptions downloads at the first use"),
+        (
+            "robot_descriptions:lost",
+            "no route to host; robot_descriptions downloads a robot at its first use",
+        ),
         ("robot_descriptions:xacro_only", "neither an MJCF nor a URDF"),
         ("mujoco_menagerie:maker_leg", "did you mean maker_arm"),
     ],

@@ -44,7 +44,21 @@ def test_one_number_stands_for_every_axis(tmp_path: Path) -> None:
 #: What is changed in a good file -> words that the one line must hold.
 BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "unknown key": ({"colour": "red"}, ("colour",)),
-    "unknown key inside": ({"actuators": {"mass": 1.0}}, ("actuators.mass",)),
+    "unknown key inside": ({"actuators": {"mass": 1.0}}, ("actuators.mass", "known keys: inertia, damping")),
+    "a key that is nearly there": ({"actuators": {"inerta": 1.0}}, ("did you mean 'inertia'",)),
+    "a gain that pushes away": (
+        {"controller": {"kind": "pd", "kp": [40.0, -40.0], "kd": [1.0, 1.0]}},
+        ("'controller.kp.1': must be greater than or equal to 0, found -40.0",),
+    ),
+    "an unknown kind of loop": ({"controller": {"kind": "pid"}}, ("must be 'none', 'pd'", "found 'pid'")),
+    "a unit of something else": (
+        effect(parameters={"torque": {"value": 0.1, "unit": "furlong"}}),
+        ("torque is in 'furlong'; give it in N*m",),
+    ),
+    "a unit of another size": (
+        effect(parameters={"torque": {"value": 100.0, "unit": "mN*m"}}),
+        ("torque is in 'mN*m'; give it in N*m",),
+    ),
     "another format": ({"format": 2}, ("format",)),
     "no MJCF": ({"serial": "nowhere.xml"}, ("nowhere.xml", "serial", "relative")),
     "a name no system has": ({"serial": "x" * 5000}, ("serial",)),

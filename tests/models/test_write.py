@@ -70,7 +70,7 @@ def test_effects_with_any_values(data: st.DataObject, tmp_path: Path) -> None:
 
 @ANY_FOLDER
 @given(
-    kp=st.lists(FINITE, min_size=2, max_size=2).map(tuple),
+    kp=st.lists(st.floats(0.0, 1e6), min_size=2, max_size=2).map(tuple),
     coordinates=st.sampled_from(["joint", "actuator"]),
     limit=st.lists(st.floats(0.1, 1e6) | st.just(float("inf")), min_size=2, max_size=2).map(tuple),
     delay=st.floats(0, 1),

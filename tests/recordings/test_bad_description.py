@@ -142,6 +142,12 @@ def test_torque_unit_must_fit_the_axis(tmp_path: Path) -> None:
         ({"kind": "pd", "kp": [1.0, 1.0], "period_s": 0.0}, "controller.period_s"),
         ({"kind": "cascade_pv", "kp": [1.0, 1.0], "kv": [1.0, 1.0]}, "controller.gain"),
         ({"kind": "pid"}, "controller.kind"),
+        ({"kind": "pd", "kp": [1.0, -1.0]}, "controller.kp.1"),
+        ({"kind": "pd", "kp": [1.0, 1.0], "kd": -0.1}, "controller.kd"),
+        (
+            {"kind": "cascade_pv", "kp": 1.0, "kv": 1.0, "gain": 1.0, "limit": [0.0, 1.0]},
+            "controller.limit.0",
+        ),
     ],
 )
 def test_controller(tmp_path: Path, controller: dict[str, Any], column: str) -> None:

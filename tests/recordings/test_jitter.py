@@ -12,8 +12,14 @@ from hypothesis import strategies as st
 
 from workbench.core import InputError
 from workbench.recordings import load_recording, noise_levels
-from workbench.recordings.held import held_by, nearest_between_steps, shared_ticks, step_phase, ticks
-from workbench.recordings.lattice import lattice_step
+from workbench.recordings.quantisation import quantisation_step
+from workbench.recordings.zero_order_hold import (
+    held_by,
+    nearest_between_steps,
+    shared_ticks,
+    step_phase,
+    ticks,
+)
 
 from .test_read import two_axes, with_columns, write_recording
 
@@ -157,7 +163,7 @@ def test_the_steps_of_an_encoder_outlive_a_clock_that_jitters(tmp_path: Path) ->
     path = tmp_path / "log"
     path.mkdir()
     r = load_recording(write_recording(path, data))
-    assert "resampled" in r.notes[0] and lattice_step(r.position[:, 0]) == 0.0
+    assert "resampled" in r.notes[0] and quantisation_step(r.position[:, 0]) == 0.0
     levels = noise_levels(r)
     np.testing.assert_allclose(levels.position_resolution, [step, 0.0], rtol=1e-3)
     assert levels.position_std[0] == pytest.approx(step / np.sqrt(12), rel=0.6)

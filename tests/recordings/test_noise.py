@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.data_helpers import leg_examples
 from workbench.core import Recording
 from workbench.recordings import load_recording, noise_levels
-from workbench.recordings.lattice import lattice_step
+from workbench.recordings.quantisation import quantisation_step
 
 STEP = 2 * np.pi / 16384
 
@@ -151,18 +151,20 @@ def test_an_axis_that_hides_its_noise_is_as_noisy_as_its_like() -> None:
 @given(step=st.floats(1e-6, 1e-2), start=st.floats(-10, 10), seed=st.integers(0, 99))
 def test_any_encoder_step_is_found(step: float, start: float, seed: int) -> None:
     counts = np.cumsum(np.random.default_rng(seed).integers(-3, 4, 2000))
-    assert lattice_step(start + counts * step) == pytest.approx(step, rel=1e-3)
+    assert quantisation_step(start + counts * step) == pytest.approx(step, rel=1e-3)
 
 
 @given(seed=st.integers(0, 99))
 def test_a_step_is_found_in_a_log_of_few_digits(seed: int) -> None:
     """A fast axis skips many steps, and each row is rounded to a hundredth of one."""
     counts = np.cumsum(np.random.default_rng(seed).integers(-60, 61, 2000))
-    assert lattice_step(np.round(counts * 2 * np.pi / 65536, 6)) == pytest.approx(2 * np.pi / 65536, rel=1e-5)
+    assert quantisation_step(np.round(counts * 2 * np.pi / 65536, 6)) == pytest.approx(
+        2 * np.pi / 65536, rel=1e-5
+    )
 
 
 def test_no_lattice_in_real_numbers() -> None:
-    assert lattice_step(np.random.default_rng(0).normal(size=3000)) == 0.0
+    assert quantisation_step(np.random.default_rng(0).normal(size=3000)) == 0.0
 
 
 def test_noise_of_speed_that_the_loop_answers_counts_as_noise() -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from workbench.core import Controller, Excitation, InputError, Recording, Timing
 from workbench.recordings import load_recording, save_recording
-from workbench.recordings.description import _SECTIONS, Description
+from workbench.recordings.description import ControllerTable, Description, ExcitationTable, TimingTable
 
 
 def made(rows: int = 60, period: float = 0.002, **changes: object) -> Recording:
@@ -130,9 +130,9 @@ def test_no_key_of_the_file_is_forgotten_here() -> None:
     first = settings(phases=[Phase.generate], max_examples=1)  # the smallest is not needed
     example: dict[str, Any] = find(_TOLD, lambda told: True, settings=first)
     assert {*example, "format", "table", "columns"} == set(Description.model_fields)
-    for part in ("controller", "excitation", "timing"):
-        section = _SECTIONS[part].model_fields
-        assert set(section) == {f.name for f in fields(example[part])}
+    tables = {"controller": ControllerTable, "excitation": ExcitationTable, "timing": TimingTable}
+    for part, table in tables.items():
+        assert set(table.model_fields) == {f.name for f in fields(example[part])}
 
 
 def test_cascade_without_limit(tmp_path: Path) -> None:

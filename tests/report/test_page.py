@@ -97,7 +97,7 @@ def test_an_improvement_says_how_sure_its_names_are(improvement, improved):
 
 def test_it_shows_the_shape_of_what_no_effect_explains():
     page = Page(render_page(build.unexplained(), command=COMMAND))
-    assert "a shape to think about, no cause" in page.text and "hip: position 97 %" in page.text
+    assert "a description, not a cause" in page.text and "hip: position 97 %" in page.text
     assert "knee: a tone of 3.7 Hz 61 %" in page.text and "the position of hip at its median" in page.text
     [words] = [a["alt"] for t, a in page.tags if t == "img" and "Missing torque" in (a["alt"] or "")]
     least_and_most = "least 0 N m at −1 rad, most 1.60 N m at 1 rad, give or take 0.040 N m"

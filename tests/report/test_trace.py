@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 from workbench.core import Diagnosis
@@ -40,8 +41,16 @@ def test_its_own_page_says_why_and_from_what(diagnosis: Diagnosis) -> None:
         "41 %",
     ):
         assert words in page.text, words
-    (picture,) = [a for tag, a in page.tags if tag == "img"]
-    assert picture["alt"] and "2 starts and changes were tried" in picture["alt"]
+    (picture,) = [a for _, a in page.tags if a.get("class") == "picture"]
+    assert "2 starts and changes were tried" in (picture["aria-label"] or "")
+
+
+def test_its_picture_follows_the_colours_of_the_page(diagnosis: Diagnosis) -> None:
+    odd = replace(diagnosis, trace=tuple(replace(t, move="<b>one</b>") for t in diagnosis.trace))
+    text = render_sheet(trace_sheet(odd), command="workbench diagnose --trace")
+    svg = text[text.index("<svg") : text.index("</svg>")]
+    assert "stroke: var(--after)" in svg and not re.search(r"#[0-9a-f]{6}[;\"]", svg)
+    assert "<style" not in svg and "<b>" not in svg and "&lt;b&gt;one" in svg
 
 
 def test_where_nothing_was_searched_it_says_so(diagnosis: Diagnosis) -> None:

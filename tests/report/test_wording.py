@@ -50,7 +50,7 @@ def test_effects_have_names_and_places():
     assert effect_phrase(EffectKey("coulomb_friction", "knee")) == "Coulomb friction on the knee drive"
     assert effect_phrase(EffectKey("delay", None)) == "delay on all axes"
     assert effect_phrase(EffectKey("backlash", "hip", "joint")) == "backlash at the hip joint"
-    assert effect_phrase(EffectKey("payload_mass", None)) == "payload mass where the machine ends"
+    assert effect_phrase(EffectKey("payload_mass", None)) == "payload mass at the end of the machine"
     payload = EffectKey("payload_mass", None, site="tool")
     assert effect_phrase(payload) == "payload mass at site 'tool'" and payload == EffectKey(
         "payload_mass", None

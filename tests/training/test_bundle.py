@@ -100,7 +100,7 @@ def test_what_is_no_bundle_is_refused(content: bytes | None, says: str, tmp_path
 def test_another_format_and_a_manifest_with_holes_are_refused(bundle: Path, tmp_path: Path) -> None:
     read = read_bundle(bundle)
     write_bundle(tmp_path / "holes.zip", {"task": "reach"}, read.policy, read.machine, {})
-    with pytest.raises(InputError, match="lacks 'control'"):
+    with pytest.raises(InputError, match="has no 'control'"):
         read_bundle(tmp_path / "holes.zip")
     with zipfile.ZipFile(tmp_path / "new.zip", "w") as archive:
         archive.writestr("bundle.json", json.dumps({"format": 99}))

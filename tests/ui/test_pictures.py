@@ -46,3 +46,17 @@ def test_a_motion_that_was_given_has_no_residual_to_look_at() -> None:
     curves.show(entry.recording, 0, entry.simulated, None, None)
     assert all(plot.visible for plot in curves.figures)
     assert curves.figures[0].yaxis.axis_label == "position [rad]"
+
+
+def test_rows_that_do_not_count_along_a_motion_are_no_run() -> None:
+    """At the ends, where differentiating errs, a run has the measured torque: its curve would be praise."""
+    entry = build.comparison(0.0).recordings[0]
+    measured = entry.recording.signals["torque_measured"]
+    needed = entry.simulated.signals["torque_measured"].copy()
+    needed[:300] = measured[:300]
+    curves = Curves()
+    curves.time.update(start=0.0, end=1.0)
+    curves.show(entry.recording, 0, entry.recording.with_signals(torque_measured=needed), None, None)
+    last = round(0.5 * 299 * entry.recording.period / curves.time.end * len(curves._sources[2].data["t"]))
+    drawn = np.asarray(curves._sources[2].data["before"], float)
+    assert np.isnan(drawn[: max(last, 1)]).all() and np.isfinite(drawn).any()

@@ -17,7 +17,7 @@ def objections(bundle: PolicyBundle) -> list[str]:
     model = bundle.manifest.get("model")
     trained = model.get("files") if isinstance(model, dict) else None
     if record.get("files") != trained or not trained:
-        found.append("its record is of other model files than it was trained with")
+        found.append("its record is for other model files than those it was trained with")
     if record.get("variant") != bundle.variant:
         found.append(f"its record is for variant {record.get('variant')}, not {bundle.variant}")
     if record.get("passed") is not True:
@@ -25,5 +25,5 @@ def objections(bundle: PolicyBundle) -> list[str]:
     if not record.get("recordings"):
         found.append("its model was compared with no recording")
     elif record.get("consistent") is not True:
-        found.append("its model's error against recordings is more than noise")
+        found.append("its model's error against recordings is above the noise")
     return found

@@ -170,10 +170,12 @@ def read_bundle(path: str | Path) -> PolicyBundle:
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
-        problem = f"{MANIFEST} lacks '{key}'" if first["type"] == "missing" else f"{MANIFEST}: {first['msg']}"
+        problem = (
+            f"{MANIFEST} has no '{key}'" if first["type"] == "missing" else f"{MANIFEST}: {first['msg']}"
+        )
         raise InputError(problem, file=file, column=key, remedy="export the policy again") from error
     except UnicodeDecodeError as error:
-        raise InputError(f"{MACHINE} is no text", file=file, remedy="export the policy again") from error
+        raise InputError(f"{MACHINE} is not text", file=file, remedy="export the policy again") from error
     return _bundle(table, manifest, parts, machine, file)
 
 

@@ -38,7 +38,7 @@ def check_network(raw: bytes, file: Path | None) -> None:
     except (DecodeError, ValueError) as error:
         raise refuse("is no ONNX file") from error
     if model.functions or model.training_info or model.graph.sparse_initializer:
-        raise refuse("has more in it than a network")
+        raise refuse("holds more than a network")
     for node in model.graph.node:
         if node.domain not in ("", "ai.onnx") or node.op_type not in OPERATORS:
             raise refuse(f"uses the operator '{node.domain}{node.op_type}', which no policy needs")

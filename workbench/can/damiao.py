@@ -37,7 +37,7 @@ class Damiao(Mit):
     def __init__(self, id: int, reply_id: int, ranges: Ranges) -> None:
         super().__init__(id, reply_id, ranges)
         if not 0 <= id <= 0xF or REGISTERS_ID in (id, reply_id):
-            raise FrameError(f"id {id:#x}: a Damiao drive's is 0 to 0xF, and its answers' is not 0x7FF")
+            raise FrameError(f"id {id:#x}: a Damiao drive has 0 to 0xF, and its answers do not have 0x7FF")
         self.fields = fields(ranges, _BITS, kept=1)
 
     def explain(self, fault: int) -> str:

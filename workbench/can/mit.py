@@ -43,7 +43,7 @@ class Mit(Packed):
         self, id: int, reply_id: int, ranges: Ranges, temperature_offset: float = -40.0, length: int = 8
     ) -> None:
         if not (0 <= id <= 0xFF and 0 <= reply_id <= 0x7FF) or id == reply_id:
-            raise FrameError(f"ids {id:#x} and {reply_id:#x}: a drive's is 0 to 0xFF, its answers' another")
+            raise FrameError(f"ids {id:#x} and {reply_id:#x}: a drive has 0 to 0xFF, its answers another")
         self.id, self.reply_id, self.ranges = id, reply_id, ranges
         self.length, self.temperature_offset = length, temperature_offset
         self.fields = fields(ranges, _BITS, kept=1)

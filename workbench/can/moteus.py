@@ -61,9 +61,9 @@ class Moteus:
         registers: Literal["int16", "float"] = "float",
     ) -> None:  # fmt: skip
         if not (0 <= id <= 0x7F and 0 <= host_id <= 0x7F) or id == host_id:
-            raise FrameError(f"ids {id:#x} and {host_id:#x}: 7 bits, and not the same")
+            raise FrameError(f"ids {id:#x} and {host_id:#x}: give two different ones of 7 bits")
         if not 1e-3 <= watchdog_s <= 30.0:  # 0 is the drive's own, no number none at all
-            raise FrameError(f"a watchdog of {watchdog_s:g} s: 0.001 to 30")
+            raise FrameError(f"a watchdog of {watchdog_s:g} s is outside 0.001 to 30 s")
         self.id, self.host_id, self.ranges, self.watchdog_s = id, host_id, ranges, watchdog_s
         self._kind = {"int16": 1, "float": 3}[registers]
         self.torque_step = _STEPS[_TO_TORQUE][1] if registers == "int16" else 1e-5
@@ -103,7 +103,9 @@ class Moteus:
         if s.kp == s.torque == s.velocity == 0.0 and damped == 1.0:
             return self._to_drive(packed(WRITE, {_MODE: _DAMPS}, 0, _STEPS) + patience + self._query)
         if damped > stiff * (1 + _ROUNDING):
-            raise FrameError(f"kd of {s.kd:g} is a larger part of {r.kd:g} than kp of {s.kp:g} of {r.kp:g}")
+            raise FrameError(
+                f"kd of {s.kd:g} uses more of its range ({r.kd:g}) than kp of {s.kp:g} of its own ({r.kp:g})"
+            )
         values = {_TO_POSITION: s.position, _TO_VELOCITY: s.velocity, _TO_TORQUE: s.torque, _KP: stiff,
                   _KD: damped, _MOST: r.torque}  # fmt: skip
         asked = packed(WRITE, values, self._kind, _STEPS) + patience

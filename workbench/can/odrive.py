@@ -58,7 +58,7 @@ class Odrive:
 
     def __init__(self, id: int, ranges: Ranges, endpoints: Endpoints | None = None) -> None:
         if not 0 <= id < 0x3F:
-            raise FrameError(f"id {id:#x}: a node's is 0 to 0x3E")
+            raise FrameError(f"id {id:#x}: a node has 0 to 0x3E")
         for name, most in (("torque", _MOST), ("velocity", _MOST * tau)):
             if getattr(ranges, name) > most:
                 raise FrameError(

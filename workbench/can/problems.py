@@ -79,13 +79,13 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     if motor.endpoints and motor.protocol != "odrive":
         yield f"{key}.endpoints", f"a {motor.protocol} drive has none", "remove them"
     if not motor.tells_watchdog and not motor.watchdog_source:
-        remedy = "set it with the vendor's tool and say where from: watchdog_source"
+        remedy = "set it with the vendor's tool, and state where it is set: watchdog_source"
         if motor.protocol == "odrive":
             remedy += "; or give its firmware's endpoints"
         problem = f"the watchdog of this {motor.protocol} drive cannot be read back"
         yield f"{key}.watchdog_source", problem, remedy
     if motor.watchdog_tested and motor.watchdog_tested > date.today():
-        problem = f"{motor.watchdog_tested} has not come yet"
+        problem = f"{motor.watchdog_tested} is in the future"
         yield f"{key}.watchdog_tested", problem, "write the day on which it was seen to stop"
     if motor.watchdog_s < 3 * c.loop.period_s:
         problem = f"{1e3 * motor.watchdog_s:g} ms is less than three periods of {1e3 * c.loop.period_s:g} ms"

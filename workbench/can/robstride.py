@@ -46,7 +46,7 @@ class Robstride(Packed):
 
     def __init__(self, id: int, host_id: int, ranges: Ranges) -> None:
         if not (0 <= id <= 0xFF and 0 <= host_id <= 0xFF) or id == host_id:
-            raise FrameError(f"ids {id:#x} and {host_id:#x}: 8 bits, and not the same")
+            raise FrameError(f"ids {id:#x} and {host_id:#x}: give two different ones of 8 bits")
         self.id, self.reply_id, self.ranges = id, host_id, ranges
         self.fields = fields(ranges, (16, 16, 16, 16, 16))
 

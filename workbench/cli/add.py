@@ -36,7 +36,7 @@ def add(
         Argument(metavar="name=value...", help="Parameters, SI.", autocompletion=complete.values),
     ] = None,
     output: Annotated[
-        str, Option("--output", "-o", metavar="NEW", help="The new model file.  [required]")
+        str, options.written("--output", "-o", metavar="NEW", help="The new model file.  [required]")
     ] = "",
     into: IntoOption = None,
     diagnosis: Annotated[
@@ -76,7 +76,7 @@ def add(
         if into is not None:
             raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="leave --into out")
         added, new = [], soft(loaded, values, diagnosis)
-        what = "dry friction with the onset of its MJCF"
+        what = "dry friction as soft as its MJCF states it"
     else:
         added, new = with_effects(loaded, effect, values, diagnosis)
         # keys of a file or of the command line do not say at which site

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer import Option
 
 from . import options
 from .common import check_outputs, echo, files_of, read_recordings, write_result
@@ -18,7 +17,9 @@ def approve(
     recordings: options.Recordings,
     output: Annotated[
         str | None,
-        Option("--output", "-o", metavar="FILE", help="The new record; default: beside the model's file."),
+        options.written(
+            "--output", "-o", metavar="FILE", help="The new record; default: beside the model's file."
+        ),
     ] = None,
     json: options.Json = None,
     seed: options.Seed = 0,

@@ -80,7 +80,7 @@ def _table(loads: Sequence[BusLoad]) -> Table:
 @can.command()
 def dbc(
     config: ConfigArgument,
-    output: Annotated[str, Option("--output", "-o", metavar="FILE", help="The DBC file.")],
+    output: Annotated[str, options.written("--output", "-o", metavar="FILE", help="The DBC file.")],
     json: options.Json = None,
     force: options.Force = False,
     quiet: options.Quiet = False,
@@ -179,7 +179,7 @@ def virtual(
 @can.command()
 def log(
     config: ConfigArgument,
-    output: Annotated[str, Option("--output", "-o", metavar="FILE", help="The candump log.")],
+    output: Annotated[str, options.written("--output", "-o", metavar="FILE", help="The candump log.")],
     parent: Annotated[int, Option(help="End after this process, if it started this one.")] = 0,
     force: options.Force = False,
 ) -> None:

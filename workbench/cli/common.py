@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +39,7 @@ def _without_models(paths: Sequence[str]) -> list[str]:
     """Return files, each given once, without models (as ``*.toml`` finds them); a note names these."""
     from workbench.recordings import is_model_file
 
+    paths = [file for path in paths for file in _found(path)]
     models = [p for p in paths if is_model_file(Path(p))]
     if models and len(models) < len(paths):
         what = "is a model, not a recording" if len(models) == 1 else "are models, not recordings"
@@ -44,6 +47,11 @@ def _without_models(paths: Sequence[str]) -> list[str]:
         paths = [p for p in paths if p not in models]
     _each_once(paths)
     return list(paths)
+
+
+def _found(path: str) -> list[str]:
+    """Return the files of a pattern that the shell left as it is; any other path alone."""
+    return (not os.path.exists(path) and sorted(glob(path, recursive=True))) or [path]
 
 
 def _each_once(paths: Sequence[str]) -> None:

@@ -25,7 +25,7 @@ def compare(
     mcap: options.Mcap = None,
     rerun: options.Rerun = None,
     fail_above: Annotated[
-        float | None, Option(metavar="ERROR", help="Exit with 1 if the error is larger than this.")
+        float | None, Option(min=0.0, metavar="ERROR", help="Exit with 1 if the error is larger than this.")
     ] = None,
     gait: Annotated[
         str | None,

@@ -24,6 +24,7 @@ def demo(
         str,
         Argument(
             metavar="FOLDER|MODEL",
+            callback=options.placed,
             help="Folder for all results; or a model of your own, with -o for the folder.",
             autocompletion=complete.models,
         ),
@@ -34,7 +35,7 @@ def demo(
     ] = None,
     folder_of_model: Annotated[
         str,
-        Option(
+        options.written(
             "--output", "-o", metavar="FOLDER", help="For a model of your own: the folder for all results."
         ),
     ] = "demo",

@@ -54,7 +54,7 @@ def deploy(
     ] = "",
     output: Annotated[
         str | None,
-        Option(
+        options.written(
             "--output",
             "-o",
             metavar="FOLDER",
@@ -82,12 +82,12 @@ def deploy(
         alone = unheard(robot)
         output = "" if alone else f"deployed/{time.strftime('%Y-%m-%d_%H-%M-%S')}"
         if alone and not quiet:
-            echo(f"This run is not kept: {alone.interface} serves one process at a time.", err=True)
+            echo(f"This run is not recorded: {alone.interface} serves one process at a time.", err=True)
     log = _new_log(Path(output), force) if output else None
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):
         with waiting():
-            typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
+            typer.confirm(f"This moves {', '.join(robot.axes)}. Is everybody clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
         raise InputError("a velocity is not a number", remedy="give three: --velocity 0.4 0 0")

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Annotated
 
 import typer
-from typer import Option
 
 from workbench.core import Diagnosis
 
@@ -27,14 +26,14 @@ def diagnose(
     rerun: options.Rerun = None,
     shape: Annotated[
         str | None,
-        Option(
+        options.written(
             metavar="FILE",
             help="Picture (.png, .svg) of the torque that no effect explains: a description, not a cause.",
         ),
     ] = None,
     trace: Annotated[
         str | None,
-        Option(
+        options.written(
             metavar="FILE",
             help="Page of everything that was tried, the error that remained, and why it was rejected.",
         ),

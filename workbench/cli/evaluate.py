@@ -19,7 +19,8 @@ from .scores import score_words, trained_in
 def evaluate(
     bundle: Annotated[str, Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[
-        str, Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
+        str,
+        options.written("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]"),
     ] = "",
     seconds: Annotated[float, Option(min=1.5, max=600.0, help="How long it runs.")] = 4.0,
     seed: Annotated[int, Option(min=0, help="Seed of the command and of the sensors' noise.")] = 0,

@@ -29,7 +29,7 @@ def excite(
     model: options.Model,
     output: Annotated[
         str,
-        Option(
+        options.written(
             "--output",
             "-o",
             metavar="DESIGN",

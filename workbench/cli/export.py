@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Argument, Option
+from typer import Argument
 
 from workbench.core import InputError
 
@@ -16,7 +16,7 @@ from .common import check_outputs, echo, write_result
 def export(
     run: Annotated[str, Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
     output: Annotated[
-        str, Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
+        str, options.written("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
     ] = "",
     json: options.Json = None,
     force: options.Force = False,

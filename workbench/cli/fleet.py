@@ -29,7 +29,7 @@ def fleet(
     ],
     output: Annotated[
         str,
-        Option(
+        options.written(
             "--output", "-o", metavar="FOLDER", help="Folder for results and improved models, one per robot."
         ),
     ],

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Option
-
 from . import options
 from .common import check_outputs, files_of, read_recordings, write_result
 from .deliver import deliver_sheet
@@ -19,7 +17,7 @@ def frf(
     json: options.Json = None,
     html: options.Html = None,
     figure: Annotated[
-        str | None, Option(metavar="FILE", help="Picture of the response (.png, .svg, .pdf).")
+        str | None, options.written(metavar="FILE", help="Picture of the response (.png, .svg, .pdf).")
     ] = None,
     force: options.Force = False,
     quiet: options.Quiet = False,

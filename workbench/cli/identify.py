@@ -33,9 +33,10 @@ _Base = Annotated[
         autocompletion=complete.models,
     ),
 ]
-_Output = Annotated[str, Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
+_Output = Annotated[str, options.written("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[
-    str | None, Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf).")
+    str | None,
+    options.written("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."),
 ]
 
 

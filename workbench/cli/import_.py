@@ -29,7 +29,7 @@ def import_(
     ],
     output: Annotated[
         str,
-        Option(
+        options.written(
             "--output",
             "-o",
             metavar="TOML",
@@ -61,9 +61,9 @@ def import_(
     coordinates: Annotated[str, Option(metavar="WHERE", help="Table: 'actuator' or 'joint'.")] = "",
     kp: Annotated[
         list[float] | None,
-        Option(help="The loop's gain [N m/rad; N/m of a slide], one value or one per axis."),
+        Option(min=0.0, help="The loop's gain [N m/rad; N/m of a slide], one value or one per axis."),
     ] = None,
-    kd: Annotated[list[float] | None, Option(help="The loop's damping [N m s/rad; N s/m].")] = None,
+    kd: Annotated[list[float] | None, Option(min=0.0, help="The loop's damping [N m s/rad; N s/m].")] = None,
     period: Annotated[float | None, Option(metavar="S", help="The loop's period.")] = None,
     episode: Annotated[
         int | None,

@@ -20,7 +20,7 @@ from .progress import progress, staged
 def improve(
     model: options.Model,
     recordings: options.Recordings,
-    output: Annotated[str, Option("--output", "-o", metavar="NEW", help="The improved model file.")],
+    output: Annotated[str, options.written("--output", "-o", metavar="NEW", help="The improved model file.")],
     into: IntoOption = None,
     holdout: options.Holdout = None,
     json: options.Json = None,

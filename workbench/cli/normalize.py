@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def normalize(
     model: options.Model,
     output: Annotated[
-        str, Option("--output", "-o", metavar="FILE", help="The new MJCF file.  [required]")
+        str, options.written("--output", "-o", metavar="FILE", help="The new MJCF file.  [required]")
     ] = "",
     variant: Annotated[
         str | None,

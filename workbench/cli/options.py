@@ -2,26 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 from typer import Argument, Option
+
+from workbench.core import InputError
+from workbench.core.files import saying
 
 from . import complete
 from .heartbeat import begin
 
 
-def _can_be_written(format_: str) -> Callable[[str | None], str | None]:
-    """Refuses a result whose library is missing before minutes are spent on it."""
+def placed(path: str | None) -> str | None:
+    """Return the path of an output.
+
+    A new folder is made for an output; one above it that does not exist is a typing error.
+
+    Raises:
+        InputError: the folder that would hold the new folder does not exist.
+    """
+    if path and path != "-":
+        above = Path(path).parent.parent
+        with saying(path):
+            there = above.is_dir()
+        if not there:
+            raise InputError(
+                f"there is no folder '{above}'", file=path, remedy="make it, or correct the path"
+            )
+    return path
+
+
+def written(*names: str, format_: str = "", **more: Any) -> Any:
+    """Return the option of an output, refused before anything is computed if it cannot be written.
+
+    Args:
+        names: as ``"--output", "-o"``; none: as the parameter is called.
+        format_: a kind of result whose library may be missing.
+        more: as `typer.Option`.
+    """
 
     def checked(path: str | None) -> str | None:
-        if path is not None:
+        if path and format_:
             from workbench import report
 
             getattr(report, f"check_{format_}")(path)
-        return path
+        return placed(path)
 
-    return checked
+    return Option(*names, callback=checked, **more)
 
 
 Model = Annotated[
@@ -38,26 +66,26 @@ Holdout = Annotated[
     Option("--holdout", metavar="REC", help="Recording that only tests the fit; may be given several times."),
 ]
 Json = Annotated[
-    str | None, Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output.")
+    str | None, written("--json", metavar="FILE", help="Write the result as JSON; - for standard output.")
 ]
 Html = Annotated[
-    str | None, Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
+    str | None, written("--html", metavar="FILE", help="Write the result as a self-contained page.")
 ]
 Mcap = Annotated[
     str | None,
-    Option(
+    written(
         "--mcap",
+        format_="mcap",
         metavar="FILE",
-        callback=_can_be_written("mcap"),
         help="Write measured and simulated signals for Foxglove and PlotJuggler.",
     ),
 ]
 Rerun = Annotated[
     str | None,
-    Option(
+    written(
         "--rerun",
+        format_="rerun",
         metavar="FILE",
-        callback=_can_be_written("rerun"),
         help="Write measured and simulated signals as .rrd for the Rerun viewer.",
     ),
 ]

@@ -40,7 +40,8 @@ def record(
         ),
     ] = None,
     output: Annotated[
-        str, Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
+        str,
+        options.written("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]"),
     ] = "",
     hide: HideOption = None,
     set_: SetOption = None,

@@ -29,7 +29,7 @@ def show(
         str, Argument(metavar="BUNDLE|RECORDING", help="A policy bundle (.zip), or a recording (.toml).")
     ],
     output: Annotated[
-        str, Option("--output", "-o", metavar="PAGE", help="The page (.html).  [required]")
+        str, options.written("--output", "-o", metavar="PAGE", help="The page (.html).  [required]")
     ] = "",
     model: Annotated[
         str | None,
@@ -41,7 +41,9 @@ def show(
     task: Annotated[
         str | None, Option(metavar="FILE", help="For a bundle: the task file, if it is Python.")
     ] = None,
-    mp4: Annotated[str | None, Option(metavar="FILE", help="Write a film as well; needs ffmpeg.")] = None,
+    mp4: Annotated[
+        str | None, options.written(metavar="FILE", help="Write a film as well; needs ffmpeg.")
+    ] = None,
     force: options.Force = False,
     quiet: options.Quiet = False,
 ) -> None:

@@ -29,7 +29,7 @@ def train(
         ),
     ],
     output: Annotated[
-        str, Option("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
+        str, options.written("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
     ] = "",
     model: Annotated[
         str | None,
@@ -169,7 +169,7 @@ def train(
         def told(p: Progress) -> None:
             last[:] = [p]
             tell(
-                f"iteration {p.iteration} of {p.iterations}, reward {p.reward:.2f} a second, "
+                f"iteration {p.iteration} of {p.iterations}, reward {p.reward:.2f} per second, "
                 f"{p.steps_per_s:,.0f} steps/s, {duration(p.left_s)} left"
             )
 

@@ -13,7 +13,7 @@ import scipy
 from workbench.core import Recording
 from workbench.simulation import edge_rows
 
-from .measured_motion import Reading
+from .measured_motion import FilteredRecording
 
 _RINGING, _RINGING_S = 10, 0.5  # of a gap, at most
 _SPREAD = 0.25  # of a period of the filter's corner frequency
@@ -21,7 +21,7 @@ _STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
 
 
 def moving(
-    readings: Sequence[Reading], wobbles: Sequence[np.ndarray], transmission: np.ndarray
+    readings: Sequence[FilteredRecording], wobbles: Sequence[np.ndarray], transmission: np.ndarray
 ) -> list[np.ndarray]:
     """Return which rows and axes are counted, (N, n) each: valid, away from the ends, and in motion.
 

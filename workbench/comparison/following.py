@@ -16,7 +16,7 @@ from workbench.simulation import Disturbance, SensorNoise
 from .band import corner_hz
 from .counted_rows import moving
 from .inverse import cutoff_hz
-from .measured_motion import Follower, Reading, read_motion
+from .measured_motion import FilteredRecording, Follower, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .replay import Replay
 from .simulated import Simulated
@@ -42,7 +42,7 @@ def _along(recording: Recording, why: str) -> Recording:
     )
 
 
-class MeasuredMotion(Replay[Follower]):
+class InverseDynamicsReplay(Replay[Follower]):
     """A replay in which every model follows the measured motion; the torque that it needs is scored.
 
     The position is taken from the recording, so that it says nothing of the model. Rows at the edges, where
@@ -68,11 +68,11 @@ class MeasuredMotion(Replay[Follower]):
         self._read, self._smooth = (
             tuple(replace(r, counts=c) for r, c in zip(each, counts, strict=True)) for each in (first, smooth)
         )
-        self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
+        self._drawn: dict[tuple[int, int], list[list[FilteredRecording]]] = {}
 
-    def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
+    def like(self, model: Model, recordings: Sequence[Recording]) -> InverseDynamicsReplay:
         """Return the same replay, with the same filter, for other recordings of the same kind."""
-        return MeasuredMotion(followed(recordings), self.noise, model, self._corner)
+        return InverseDynamicsReplay(followed(recordings), self.noise, model, self._corner)
 
     def only(self, chosen: Sequence[int]) -> Self:
         """Return the same replay for some of the recordings."""
@@ -128,16 +128,18 @@ class MeasuredMotion(Replay[Follower]):
         motions = [reading.motion(plant) for reading in self._read] if soft else []
         return all(effect.foretells(motions, model, place, shape) for effect, place, shape in soft)
 
-    def _reading(self, recording: Recording) -> Reading:
+    def _reading(self, recording: Recording) -> FilteredRecording:
         corner = min(self._corner, cutoff_hz(recording))
         return read_motion(recording, self._transmission, self.noise.levels, corner)
 
-    def _seen(self, smooth: Sequence[Reading], noises: Sequence[SensorNoise]) -> list[Reading]:
+    def _seen(
+        self, smooth: Sequence[FilteredRecording], noises: Sequence[SensorNoise]
+    ) -> list[FilteredRecording]:
         """Smooth readings as noisy sensors would have shown them."""
         seen = [self._reading(_noisy(s.recording, n, s.name)) for s, n in zip(smooth, noises, strict=True)]
         return [replace(r, counts=s.counts) for r, s in zip(seen, smooth, strict=True)]
 
-    def _draws(self, seed: int, draws: int) -> list[list[Reading]]:
+    def _draws(self, seed: int, draws: int) -> list[list[FilteredRecording]]:
         if (seed, draws) not in self._drawn:
             self._drawn[seed, draws] = [
                 self._seen(self._smooth, [self.noise.draw(s) for s in seeds])
@@ -146,7 +148,7 @@ class MeasuredMotion(Replay[Follower]):
         return self._drawn[seed, draws]
 
 
-def _driven(reading: Reading) -> np.ndarray:
+def _driven(reading: FilteredRecording) -> np.ndarray:
     """Axes (n,) that have a drive: a torque that is nil throughout has no noise to hold a rest against."""
     return np.any(reading.recording.signals[reading.name] != 0.0, axis=0)
 
@@ -159,7 +161,7 @@ def _compiled(model: Model) -> Plant | None:
         return None
 
 
-def _run(reading: Reading, plant: Plant | None) -> Recording:
+def _run(reading: FilteredRecording, plant: Plant | None) -> Recording:
     """NaN where links would be where they cannot go, as by an encoder that is far off."""
     try:
         return reading.run(plant)
@@ -167,7 +169,7 @@ def _run(reading: Reading, plant: Plant | None) -> Recording:
         return reading.run(None)
 
 
-def _quiet(reading: Reading) -> Recording:
+def _quiet(reading: FilteredRecording) -> Recording:
     """The recording with its motion as smooth as it was taken to be."""
     back = np.linalg.inv(reading.to_actuator).T
     track = reading.track

@@ -36,7 +36,7 @@ from .standing import FORCE, Standing, check_ground, on_ground, stand, tap_torqu
 from .starts import local_state, shaken
 
 
-class Grounded(Replay[tuple[Standing, Tangents]]):
+class ContactWindows(Replay[tuple[Standing, Tangents]]):
     """A replay in which every model runs on its ground in short windows."""
 
     machine_alone: ClassVar[bool] = False
@@ -70,9 +70,9 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         """
         return isinstance(effect, OnGround) or kinds.changes_foot_position(effect)
 
-    def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
+    def like(self, model: Model, recordings: Sequence[Recording]) -> ContactWindows:
         """Return the same replay for other recordings."""
-        return Grounded(model, recordings, self.noise)
+        return ContactWindows(model, recordings, self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """Return the runs of all models in all windows."""

@@ -21,7 +21,7 @@ from .replay_of import replay_of
 from .score import score_runs
 from .standing import check_ground, on_ground
 from .touching import refuse_overlaps
-from .unlogged import Reading, noted, readings
+from .unlogged import LoopAssumption, noted, readings
 
 _FEWEST = 30  # rows: from fewer neither their noise nor the start of a run can be told
 
@@ -61,7 +61,7 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
     return _likely(model, readings(model, out))
 
 
-def _likely(model: Model, ways: Sequence[Reading]) -> tuple[tuple[Recording, ...], ...]:
+def _likely(model: Model, ways: Sequence[LoopAssumption]) -> tuple[tuple[Recording, ...], ...]:
     """Recordings by those readings of their logs that may be right, the likeliest first.
 
     Where the torque left several open, the model is run by each: if it explains the recordings by some,

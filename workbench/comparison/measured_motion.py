@@ -39,7 +39,7 @@ _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidat
 
 
 @dataclass(frozen=True)
-class Reading:
+class FilteredRecording:
     """Motion and torque of a recording, prepared for any model.
 
     Attributes:
@@ -158,7 +158,7 @@ def _unblurred(tap: np.ndarray) -> np.ndarray:
 
 def read_motion(
     recording: Recording, transmission: np.ndarray, levels: NoiseLevels, corner_hz: float
-) -> Reading:
+) -> FilteredRecording:
     """Return the smoothed motion of a recording; all rows count.
 
     Acceleration is kept whole inside the filter's band: what looks like noise there moved the machine too.
@@ -170,14 +170,14 @@ def read_motion(
     name = scored_torque(recording)
     assert name is not None
     whole = np.ones_like(track.position, bool)
-    return Reading(recording, track, to_actuator, name, corner_hz, whole)
+    return FilteredRecording(recording, track, to_actuator, name, corner_hz, whole)
 
 
 @dataclass(frozen=True)
 class Follower:
     """Changes of the torque that a model needs along one track."""
 
-    reading: Reading
+    reading: FilteredRecording
     plant: Plant
     motion: Motion
 

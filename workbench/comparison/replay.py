@@ -1,8 +1,8 @@
 """What every way to replay recordings on models can do, and what each kind says to a search.
 
-There are four: round the loops that made them (`ClosedLoop`), along the motion that was measured
-(`MeasuredMotion`), swing by swing (`Swings`), and in short windows on the ground (`Grounded`). `replay_of`
-chooses one.
+There are four: in the loops that made them (`ClosedLoop`), along the measured motion
+(`InverseDynamicsReplay`), swing by swing (`FreeDecay`), and in short windows on the ground
+(`ContactWindows`). `replay_of` chooses one.
 """
 
 from __future__ import annotations

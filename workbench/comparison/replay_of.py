@@ -12,12 +12,12 @@ from workbench.simulation import prepare, refuse_joint_coordinates, scored_torqu
 from .by_posture import ByPosture
 from .closed_loop import ClosedLoop, with_loops
 from .drift import drifts
-from .following import MeasuredMotion, followed
-from .grounded import Grounded
+from .following import InverseDynamicsReplay, followed
+from .grounded import ContactWindows
 from .noise import NoiseModel
 from .replay import Replay
 from .standing import on_ground
-from .swings import Swings, is_free
+from .swings import FreeDecay, is_free
 
 _CARRIED = "The transmission changes with the posture"
 _NAME = "name the column of the torque"
@@ -40,18 +40,18 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
         for each in recordings:
             refuse_joint_coordinates(each)
         _refuse_blind(recordings, f"no torque is known. {_CARRIED}: effects show in the torque alone", _NAME)
-        return MeasuredMotion(followed(recordings, _CARRIED), noise, model)
+        return InverseDynamicsReplay(followed(recordings, _CARRIED), noise, model)
     if any(map(on_ground, recordings)):
-        return Grounded(model, recordings, noise)
+        return ContactWindows(model, recordings, noise)
     if all(map(is_free, recordings)):
-        return Swings(recordings, noise)
+        return FreeDecay(recordings, noise)
     if not any(needs_inverse(model, r) for r in recordings) and not drifts(model, recordings):
         known = with_loops(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
     _refuse_blind(
         recordings, "neither the loop nor a torque is known", f"describe the controller, or {_NAME}"
     )
-    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
+    return InverseDynamicsReplay(followed([_with_stated(model, r) for r in recordings]), noise, model)
 
 
 def _refuse_blind(recordings: Sequence[Recording], why: str, remedy: str) -> None:

@@ -86,7 +86,7 @@ class _Swinging:
         return replace(r, signals=signals, extra={}, derived=(), notes=(), source=None)
 
 
-class Swings(Replay[list[tuple[slice, Loop]]]):
+class FreeDecay(Replay[list[tuple[slice, Loop]]]):
     """A replay in which every model swings from measured states; position is scored."""
 
     driven: ClassVar[bool] = False
@@ -105,10 +105,10 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
         unseen = kinds.has_hidden_state(known) or kinds.bends_reading(known)
         return super().shows(effect) and not unseen
 
-    def like(self, model: Model, recordings: Sequence[Recording]) -> Swings:
+    def like(self, model: Model, recordings: Sequence[Recording]) -> FreeDecay:
         """Return the same replay with the same sensors for other recordings."""
         del model
-        return Swings(recordings, self.noise)
+        return FreeDecay(recordings, self.noise)
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """Return the runs of all models on all swings, simulated in one batch."""

@@ -36,7 +36,7 @@ _EDGE_S = 0.3
 
 
 @dataclass(frozen=True)
-class Reading:
+class LoopAssumption:
     """Recordings with one assumption about what their logs do not state of the loop.
 
     Attributes:
@@ -63,7 +63,7 @@ class Reading:
         return one.timing.reference_held, one.controller.velocity
 
 
-def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ...]:
+def readings(model: Model, recordings: Sequence[Recording]) -> tuple[LoopAssumption, ...]:
     """Return the recordings for all assumptions about the loop that may be right, the most likely first.
 
     Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
@@ -76,7 +76,7 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     alone = [i for i in opened if "torque_measured" not in recordings[i].signals]
     asked = tuple(alone or opened)
     if not asked:
-        return (Reading(tuple(recordings)),)
+        return (LoopAssumption(tuple(recordings)),)
     out = list(recordings)
     known = with_loops(model, [recordings[i] for i in asked])
     for i, r in zip(asked, known, strict=True):
@@ -86,19 +86,19 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ..
     axes = [joined([of[k] for of in each]) for k in range(model.size)]
     between = [prepare(r, model) for r in known]
     if not alone or not any(np.any(e.ticks % e.stride) for e in between):
-        return tuple(_by_speed(Reading(tuple(out), asked), axes))
+        return tuple(_by_speed(LoopAssumption(tuple(out), asked), axes))
     share, std = answer_share([np.hstack([a.others, a.damping, a.inertia]) for a in axes], axes, _CONSTANT)
     held = share > 0.5
     sure = max(std, abs(share - held)) < _SURE and not (held and _may_be_late(axes))
-    found: list[Reading] = []
+    found: list[LoopAssumption] = []
     for answer in (held,) if sure else (held, not held):
         taken = tuple(_held(r, answer) if i in asked else r for i, r in enumerate(out))
         rest = [replace(a, lacking=a.lacking + answer * a.answers[:, _CONSTANT]) for a in axes]
-        found += _by_speed(Reading(taken, asked, True, sure), rest)
+        found += _by_speed(LoopAssumption(taken, asked, True, sure), rest)
     return tuple(found)
 
 
-def _by_speed(reading: Reading, axes: Sequence[Asked]) -> list[Reading]:
+def _by_speed(reading: LoopAssumption, axes: Sequence[Asked]) -> list[LoopAssumption]:
     """A reading with the way in which loops come to know their speed, or with each of them."""
     # inertia that is wrong hides it on its axes
     votes = [answer_share([np.hstack([a.others, a.damping])], [a], _DIFFERENCE) for a in axes]
@@ -131,7 +131,7 @@ def _most_say(votes: Sequence[tuple[float, float]], answer: int) -> bool:
     return sum(clear) > 0.5 * len(clear)
 
 
-def noted(reading: Reading) -> tuple[Recording, ...]:
+def noted(reading: LoopAssumption) -> tuple[Recording, ...]:
     """Return the recordings of a reading, with notes on the assumptions and their reasons."""
     out = list(reading.recordings)
     for i in reading.asked:

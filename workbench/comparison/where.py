@@ -34,7 +34,7 @@ def locate(
     for kind, signal in enumerate(("position", "torque")):
         for i, axis in enumerate(axes):
             draws = [[draw[k] for draw in noisy] for k in range(len(errors))]
-            parts = [Series.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
+            parts = [ResidualSeries.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
             parts = [p for p in parts if p is not None]
             if not parts:
                 continue
@@ -71,7 +71,7 @@ def shares_of(
     return tuple(shares[:_MOST])
 
 
-class Series:
+class ResidualSeries:
     """One axis and signal of one recording: squared residual above the noise, row by row.
 
     `residual` (N,) and `wobbles` (draws, N) are in units of the noise's root mean square; `speed`,
@@ -88,7 +88,7 @@ class Series:
         self.above = residual**2 - np.mean(wobbles**2, axis=0)
 
     @staticmethod
-    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> Series | None:
+    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> ResidualSeries | None:
         """Return the series; None if the signal was not measured or has no noise to compare with."""
         names = scored_signals(e.recording)
         if kind >= len(names):
@@ -99,7 +99,9 @@ class Series:
         valid, name = e.recording.valid, names[kind]
         clean = e.simulated.signals[name][valid, axis]
         wobbles = np.stack([n.signals[name][valid, axis] - clean for n in noisy])
-        return Series(e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis)
+        return ResidualSeries(
+            e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis
+        )
 
     def spectrum(self, edges: np.ndarray) -> np.ndarray:
         """Return the squared residual above the noise in each frequency band, (bands,)."""

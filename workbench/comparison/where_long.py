@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.core import Recording, RecordingError, Share
 
-from .where import Series, bands, bins, shares_of
+from .where import ResidualSeries, bands, bins, shares_of
 
 _ROWS = "above", "speed", "position", "time"
 _KINDS = "position", "torque"
@@ -51,7 +51,7 @@ class Excess:
         entry = RecordingError(recording, clean, one, one, one, one, 1.0, 1.0)
         for kind in range(2):
             for i in range(n):
-                series = Series.of(entry, noisy, kind, i)
+                series = ResidualSeries.of(entry, noisy, kind, i)
                 if series is None:
                     continue
                 own = self._signals.setdefault((kind, i), _Signal())

@@ -26,7 +26,7 @@ class InputError(WorkbenchError):
     Args:
         problem: what is wrong, in one clause.
         file: the offending file.
-        column: the offending column or key.
+        column: the offending column or key; without a file the argument.
         row: the offending data row, counted from 1 as an editor shows it below the header.
         remedy: what to do.
     """
@@ -44,6 +44,7 @@ class InputError(WorkbenchError):
         self.remedy = remedy
         where = [str(file)] if file is not None else []
         named = "key" if file is not None and str(file).endswith(".toml") else "column"
+        named = "argument" if file is None else named
         named = "option" if column and column.startswith("--") else named
         where += [f"{named} '{column}'"] if column is not None else []
         where += [f"row {row}"] if row is not None else []

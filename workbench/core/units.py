@@ -77,6 +77,21 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     raise ValueError(f"unit '{unit}' is not a unit of {kind} (expected {expected} or similar)")
 
 
+@lru_cache(maxsize=256)
+def is_unit(unit: str, wanted: str) -> bool:
+    """Return whether `unit` is the `wanted` one in other words: ``"N m s/rad"`` is ``"N*m/(rad/s)"``."""
+    if unit_text(unit) == unit_text(wanted):
+        return True
+    if len(unit) > _LONGEST or _POWER.search(_POWER_OF_NAME.sub("", unit)):
+        return False
+    registry = _registry()
+    try:
+        size = registry.Quantity(1.0, registry.parse_units(unit_text(unit).replace(" ", "*")))
+        return bool(abs(size.to(registry.parse_units(wanted)).magnitude - 1.0) < 1e-9)
+    except Exception:  # whatever pint says of words that are no unit
+        return False
+
+
 def torque_unit(position_unit: str) -> str:
     """Return the torque unit for a position unit: N m with rad, N with m."""
     return "N" if position_unit == "m" else "N m"

@@ -41,7 +41,7 @@ def budget(
     lacks += crowd.lacking() if crowd else []
     lacks += lacking(host.count_anew(), loop.period_s, 3 * loop.period_s, spent)
     for line in lacks:
-        say(f"lacks time: {line}")
+        say(f"not enough time: {line}")
     return lacks
 
 

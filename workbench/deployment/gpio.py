@@ -44,7 +44,7 @@ class Line:
             self._line = self._request(file, line)
         except OSError as error:
             raise InputError(
-                f"line {line} of {chip} cannot be had ({error.strerror or error})", column="stop.chip",
+                f"line {line} of {chip} cannot be opened ({error.strerror or error})", column="stop.chip",
                 remedy="see `gpioinfo` for lines that are free, and permit them to this user",
             ) from error  # fmt: skip
         finally:

@@ -85,7 +85,7 @@ class Datagrams:
         except OSError as error:
             self._socket.close()
             raise InputError(
-                f"port {port} cannot be had ({error.strerror})", remedy="choose another"
+                f"port {port} cannot be opened ({error.strerror})", remedy="choose another"
             ) from error
         self.port: int = self._socket.getsockname()[1]
 

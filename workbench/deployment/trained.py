@@ -117,7 +117,7 @@ def wider(bundle: PolicyBundle, config: CanConfig) -> str:
     over = [m.axis for m, most in zip(config.motor, own, strict=True) if m.limits.torque > most + _SAME]
     if not over:
         return ""
-    return f"torque held to the {own.min():g} N m or more that the policy was trained with: {', '.join(over)}"
+    return f"torque limited as in the training ({own.min():g} N m or more): {', '.join(over)}"
 
 
 def _three(values: np.ndarray) -> str:

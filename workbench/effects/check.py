@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Estimate, InputError
+from workbench.core.units import is_unit
 from workbench.models import MOST, AppliedEffect, Model, Placement, read_model
 
 from .base import is_rotary
@@ -66,6 +67,8 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             given_in = f" in{in_unit}" if in_unit else ""
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE{given_in}")
         estimate = applied.parameters[name]
+        if estimate.unit and not is_unit(estimate.unit, unit):
+            raise refuse(f"{effect.name}: {name} is in '{estimate.unit}'", f"give it in {unit}")
         lower, _ = parameter.bounds(model, place)  # negative where a number of the model may be less
         lower, upper = max(lower, -MOST), min(parameter.upper, MOST)  # what can be written can be read
         if not (np.isfinite(estimate.value) and lower <= estimate.value <= upper):

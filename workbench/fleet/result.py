@@ -121,7 +121,9 @@ def _spreads(parameters: Mapping[str, Mapping[str, Estimate]]) -> dict[str, Spre
 
 def key_of(entry: Mapping[str, Any]) -> EffectKey:
     """Effect and place of a finding, as it was kept."""
-    return EffectKey(entry["effect"], entry["axis"], entry.get("location", "actuator"))
+    return EffectKey(
+        entry["effect"], entry["axis"], entry.get("location", "actuator"), site=entry.get("site")
+    )
 
 
 def fleet_dict(fleet: Fleet) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import check_format, check_free, read_toml, write_all
+from workbench.core.grammar import explained
 from workbench.core.unfinished import finish
 from workbench.recordings.tables import read_table
 from workbench.recordings.tables.csv_table import csv_bytes
@@ -159,10 +160,7 @@ def _read(path: Path) -> _DesignTable:
     try:
         table = _DesignTable.model_validate(content)
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        problem = first["msg"][0].lower() + first["msg"][1:]
-        raise InputError(problem, file=path, column=key, remedy="correct it, or design again") from error
+        raise explained(error, _DesignTable, content, path) from error
     if not table.axes or not table.trials or not table.lines:
         remedy = "name axes, lines and trials"
         raise InputError("describes no experiment", file=path, column="trials", remedy=remedy)

@@ -17,7 +17,7 @@ from workbench.core import InputError, Recording
 
 from .estimate import frf_of
 from .measure import Measured, measure
-from .silent import residuals
+from .unexcited_lines import residuals
 
 _SURE = 1e-3  # chance of calling noise a distortion
 

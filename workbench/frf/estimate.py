@@ -27,7 +27,7 @@ from .algebra import kronecker, output_noise, solve_inputs
 from .excited import realisations
 from .measure import Measured, measure
 from .response import Frf
-from .silent import distortion_covariance
+from .unexcited_lines import distortion_covariance
 
 
 def estimate(

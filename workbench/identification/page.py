@@ -96,7 +96,7 @@ def _sheet(
         key_numbers=(
             *((label, text.split(" ± ")[0], f"± {text.split(' ± ')[1]}" if " ± " in text else "")
               for label, text in key),
-            ("Left", f"{number(j.cost / j.expected)} ×", "what noise alone gives"),
+            ("Residual", f"{number(j.cost / j.expected)} ×", "what noise alone gives"),
         ),
         sections=(
             Section("estimates", "Estimates", tables=(table,)),

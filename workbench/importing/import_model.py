@@ -196,7 +196,5 @@ def _begun(mechanism: Mechanism) -> tuple[Mechanism, ClosedChain]:
 def _check_written(file: Path, source: Path, force: bool) -> None:
     """Refuse to write over what is there, and over the mechanism itself whatever is wanted."""
     if file.resolve() == source.resolve():
-        raise InputError(
-            "it would be written over by the model of it", file=source, remedy="give the model another name"
-        )
+        raise InputError("the new file would overwrite it", file=source, remedy="give the model another name")
     check_free(file, force=force)

@@ -11,7 +11,7 @@ from workbench.core.text import counted
 
 from .coordinates import Elsewhere, found_elsewhere, maps
 from .factors import name_factor
-from .law import Fit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
+from .law import LawFit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
 from .result import Remark
 from .speeds import explain_speed, remark_on_speed
 from .ticks import find_ticks
@@ -137,7 +137,7 @@ def _alternative(
         best_fit = min((scaled(at, c, m) for m in tried), key=lambda fit: fit.rest)
         if best_fit.rest < enough:
             return _read_columns(axes, best_fit)
-    found: list[tuple[float, tuple[str, ...], int, int, Fit, np.ndarray]] = []
+    found: list[tuple[float, tuple[str, ...], int, int, LawFit, np.ndarray]] = []
     for signals in _SWAPS:
         for a, b in combinations(range(len(axes)), 2):
             swapped = at.swapped(signals, a, b)
@@ -153,7 +153,7 @@ def _alternative(
     return [Remark("problem", "swap", None, text, value), *_read_gains(recording, fit, m)]
 
 
-def _read_gains(recording: Recording, fit: Fit, m: np.ndarray) -> list[Remark]:
+def _read_gains(recording: Recording, fit: LawFit, m: np.ndarray) -> list[Remark]:
     known = {k: (f, s) for k, (f, s) in fit.by_name.items() if s < 0.1 * abs(f)}
     value = {
         "factors": {k: {"value": f, "std": s} for k, (f, s) in known.items()},
@@ -205,7 +205,7 @@ def _cascade(recording: Recording) -> bool:
     return recording.controller.kind == "cascade_pv"
 
 
-def _read_columns(axes: tuple[str, ...], fit: Fit) -> list[Remark]:
+def _read_columns(axes: tuple[str, ...], fit: LawFit) -> list[Remark]:
     remarks = []
     for key, (factor, std) in fit.by_name.items():
         signal, i = key.rsplit("_", 1)

@@ -56,7 +56,7 @@ def ticks(recording: Recording, ratio: int, phase: int, lag: int = 0) -> Ticks:
 
 
 @dataclass(frozen=True)
-class Fit:
+class LawFit:
     """A least-squares fit of the law: factors on the stated values, 1 if the statement is right.
 
     `rest` is the root mean square of what stays, as a part of the command's variation.
@@ -74,7 +74,7 @@ class Fit:
         return dict(zip(self.names, pairs, strict=True))
 
 
-def fit_gains(t: Ticks, controller: Controller, to_controller: np.ndarray) -> Fit:
+def fit_gains(t: Ticks, controller: Controller, to_controller: np.ndarray) -> LawFit:
     """Fit a factor on each stated gain: ``kp_0``, ``kd_0``, ... in the controller's coordinates."""
     kp, kd = _gains(controller)
     error = t.reference - t.position @ to_controller.T
@@ -87,7 +87,7 @@ def fit_gains(t: Ticks, controller: Controller, to_controller: np.ndarray) -> Fi
     return _solve(blocks, t, controller)
 
 
-def fit_sensors(t: Ticks, controller: Controller, to_controller: np.ndarray) -> Fit:
+def fit_sensors(t: Ticks, controller: Controller, to_controller: np.ndarray) -> LawFit:
     """Fit a factor on each logged position, velocity and reference, gains as stated: ``position_0``..."""
     kp, kd = _gains(controller)
     damping = (t.velocity_reference * kd) @ to_controller
@@ -100,7 +100,7 @@ def fit_sensors(t: Ticks, controller: Controller, to_controller: np.ndarray) -> 
     return _solve(blocks, replace(t, command=t.command - damping), controller, whole=t.command)
 
 
-def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) -> Fit:
+def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) -> LawFit:
     """Fit a factor on each logged command, all else as stated: ``torque_command_0``, ..."""
     wanted = t.feedforward + feedback(t, controller, to_controller)
     free = _free(t.command, controller)
@@ -112,7 +112,7 @@ def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) ->
         found.append(factor)
         rests.append(float(np.linalg.norm(y - factor * x) / max(np.linalg.norm(y), 1e-300)))
     names = tuple(f"torque_command_{i}" for i in range(len(found)))
-    return Fit(names, np.array(found), np.abs(found) * np.array(rests) / np.sqrt(len(wanted)), max(rests))
+    return LawFit(names, np.array(found), np.abs(found) * np.array(rests) / np.sqrt(len(wanted)), max(rests))
 
 
 def feedback(t: Ticks, controller: Controller, to_controller: np.ndarray) -> np.ndarray:
@@ -133,7 +133,7 @@ def _gains(c: Controller) -> tuple[np.ndarray, np.ndarray]:
 
 def _solve(
     blocks: dict[str, np.ndarray], t: Ticks, controller: Controller, whole: np.ndarray | None = None
-) -> Fit:
+) -> LawFit:
     """Solve least squares over all axes at once, each axis with its own bias."""
     whole = t.command if whole is None else whole
     n = whole.shape[1]
@@ -157,7 +157,7 @@ def _solve(
     stds = np.sqrt(variance * (inverse**2).sum(axis=1)) / scale
     unknown = (right[~told] ** 2).sum(axis=0) > 1e-6
     stds[unknown | np.isinf(scale)] = np.inf
-    return Fit(tuple(blocks), found / scale, stds, float(np.sqrt(np.mean(rest**2))))
+    return LawFit(tuple(blocks), found / scale, stds, float(np.sqrt(np.mean(rest**2))))
 
 
 def _centred(values: np.ndarray, free: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import scipy
 
 from workbench.core import Recording
 
-from .law import Fit, fit_gains, ticks
+from .law import LawFit, fit_gains, ticks
 from .result import Remark
 
 _OFF = 0.02  # relative deviation of a gain that is told
@@ -26,7 +26,7 @@ class Explanation:
 
     speed: str
     late: int
-    fit: Fit
+    fit: LawFit
     to_controller: np.ndarray
 
     @property

@@ -88,8 +88,9 @@ def packaged_robot(name: str) -> Path | None:
         with redirect_stdout(sys.stderr):  # they tell of downloads; a result may stand on standard output
             file = _of_menagerie(module, robot) if menagerie else _of_description(robot)
     except Exception as error:  # git's and the network's errors have no common root
-        remedy = f"{package} downloads at the first use: check the network"
-        raise InputError(f"{package} could not bring it: {error}", file=name, remedy=remedy) from error
+        remedy = f"{package} downloads a robot at its first use: check the network"
+        reason = str(error).strip().splitlines()[-1:] or [type(error).__name__]  # git's own line is its last
+        raise InputError(f"could not be downloaded: {reason[0]}", file=name, remedy=remedy) from error
     if file is None:
         remedy = "choose another, or write the URDF with xacro and give that file"
         raise InputError("it has neither an MJCF nor a URDF", file=name, remedy=remedy)

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import check_format
+from workbench.core.grammar import explained
 from workbench.core.unfinished import finish
 
 from .from_table import from_table
@@ -44,7 +45,5 @@ def read_model(path: str | Path) -> Model:
     try:
         table = ModelTable.model_validate(raw)
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise InputError(first["msg"], file=file, column=key, remedy="see docs/models.md") from error
+        raise explained(error, ModelTable, raw, file) from error
     return from_table(table, file)

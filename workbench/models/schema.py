@@ -63,10 +63,10 @@ class ControllerTable(_Table):
 
     kind: Literal["none", "pd", "cascade_pv", "unknown"]
     coordinates: Literal["joint", "actuator"] = "actuator"
-    kp: list[_Number] | _Number = []
-    kd: list[_Number] | _Number = []
-    kv: list[_Number] | _Number = []
-    gain: list[_Number] | _Number = []
+    kp: list[_Quantity] | _Quantity = []
+    kd: list[_Quantity] | _Quantity = []
+    kv: list[_Quantity] | _Quantity = []
+    gain: list[_Quantity] | _Quantity = []
     limit: list[_Limit] | _Limit = []
     period_s: _Positive | None = None
     velocity: Literal["sensor", "difference"] | None = None

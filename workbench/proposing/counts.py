@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Steps a turn that encoders have: powers of two of absolute ones, and four a line of incremental ones.
+#: Steps per turn of encoders: powers of two if absolute, four per line if incremental.
 TURNS = tuple(2**k for k in range(10, 25)) + tuple(4 * lines for lines in (500, 1000, 2500, 5000, 10000))
 _NUMBERS = (2**16, 2**32)  # a count of so many bits begins anew wherever a turn ends
 _SURELY = 4096  # fractions are interpolated counts only of a turn that no angle in degrees is as long as

@@ -12,7 +12,7 @@ from workbench.core import InputError
 from .clean import Clean
 from .draft import Draft
 from .match import Relation
-from .scales import Motion, Told, weigh
+from .scales import AxisMotion, UnitGuess, weigh
 from .stated import Stated, signals_of
 from .units import by_size, equations
 from .wraps import unit_of_range
@@ -39,7 +39,7 @@ def motion_units(
     by_time: dict[str, float],
     tied: tuple[Mapping[int, float], Mapping[int, Relation]],
     wraps: Mapping[str, float],
-) -> tuple[Told, dict[str, list[UnitTold]]]:
+) -> tuple[UnitGuess, dict[str, list[UnitTold]]]:
     """Return the unit of the clock, and of ``position`` and, if logged, ``velocity``, one per axis.
 
     Args:
@@ -72,7 +72,7 @@ def motion_units(
         factor = float(np.median(good)) if good else None
         alike = max([relations[i].likeness for i in which if i in relations], default=0.9)
         position = _by_range(by["position"][0], [wraps.get(columns["position"][i], 0.0) for i in which])
-        motions.append(Motion(position, by.get("velocity", ({}, ""))[0], factor, alike))
+        motions.append(AxisMotion(position, by.get("velocity", ({}, ""))[0], factor, alike))
     told = weigh(by_time, motions)
     if told is None:
         raise InputError(

@@ -14,13 +14,13 @@ import numpy as np
 
 from .names import role_of
 from .proposal import Answers
-from .table import Series, Table
+from .table import LoggedSeries, Table
 
 _BEHIND = 0.75  # of a row's period: a command that comes no later is of that row
 _SAME_RATE = 0.05  # two series this near in rate have a row each for each of the other's
 
 
-def merged(table: Table, series: Sequence[Series], time: str, answers: Answers | None = None) -> Table:
+def merged(table: Table, series: Sequence[LoggedSeries], time: str, answers: Answers | None = None) -> Table:
     """Return one table with the columns of several series.
 
     The rows are those of the series with measured positions of most of the axes that are asked for, among
@@ -105,11 +105,11 @@ def is_wanted(name: str, answers: Answers) -> bool:
     return _is_position(name) and any(f"_{_plain(axis)}_" in f"_{words}_" for axis in axes)
 
 
-def _wanted(series: Series, answers: Answers) -> int:
+def _wanted(series: LoggedSeries, answers: Answers) -> int:
     return sum(is_wanted(name, answers) for name in series.columns)
 
 
-def _has_position(series: Series) -> bool:
+def _has_position(series: LoggedSeries) -> bool:
     return any(_is_position(name) for name in series.columns)
 
 

@@ -16,6 +16,7 @@ from .axes import named_axes
 from .base import BASE, base_columns
 from .clean import Clean
 from .clock import find_time, rate_question
+from .column_context import with_kinds
 from .copies import each_row_once
 from .draft import Draft
 from .gains import GAINS, gains_shown, take_controller
@@ -23,10 +24,9 @@ from .like_quantities import joints_like_quantities
 from .merge import on_rows_of
 from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
+from .resolve_units import resolve_units
 from .rows import on_rows_of_axes
-from .scaling import settle_scales
-from .settle import settle_units
-from .siblings import with_kinds
+from .scaling import resolve_scales
 from .signals import read_signals
 from .signed import signed_counts
 from .stamps import whole_clocks
@@ -90,8 +90,7 @@ def _check_answers(table: Table, answers: Answers) -> None:
     for kind, text in answers.units.items():
         wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
         if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
-            known = kind if kind in UNITS else "position"
-            remedy = f"e.g. --unit {known}={UNITS[known]}"
+            remedy = f"e.g. --unit {kind}={UNITS[kind]}" if kind in UNITS else f"choose of {', '.join(UNITS)}"
             if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
                 remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one per axis"
             raise InputError(
@@ -115,8 +114,8 @@ def _drafted(draft: Draft) -> Proposal:
     whole, wraps = whole_positions(rows, columns["position"])
     columns = uncross(draft, whole, columns, axes)
     relations = derivatives(whole, columns)
-    units = settle_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
-    scales = settle_scales(draft, columns, axes, units, relations)
+    units = resolve_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
+    scales = resolve_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
     description["columns"] |= base
     if controller:

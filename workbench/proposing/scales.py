@@ -16,7 +16,7 @@ _FLOOR = 1e-6  # weight of a reading that the factor contradicts
 
 
 @dataclass(frozen=True)
-class Told:
+class UnitGuess:
     """A unit and its confidence."""
 
     unit: str
@@ -24,7 +24,7 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Motion:
+class AxisMotion:
     """Axes with one unit, and its candidates.
 
     Attributes:
@@ -39,7 +39,9 @@ class Motion:
     likeness: float = 0.9
 
 
-def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, list[dict[str, Told]]] | None:
+def weigh(
+    time: Mapping[str, float], motions: Sequence[AxisMotion]
+) -> tuple[UnitGuess, list[dict[str, UnitGuess]]] | None:
     """Return the most likely units: of the clock, and of each group of axes.
 
     Args:
@@ -76,7 +78,7 @@ def expected(time: str, position: str, velocity: str) -> float:
     return scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity"))
 
 
-def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
+def _readings(time: str, motion: AxisMotion) -> dict[tuple[str, str], float]:
     """Weight of each pair of units, given the clock's."""
     out = {}
     spread = _SPREAD + _NOISE * (1.0 - motion.likeness)
@@ -101,6 +103,6 @@ def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
     return out
 
 
-def _likeliest(weights: Mapping[str, float]) -> Told:
+def _likeliest(weights: Mapping[str, float]) -> UnitGuess:
     best = max(weights, key=lambda u: weights[u])
-    return Told(best, min(0.999, weights[best] / sum(weights.values())))
+    return UnitGuess(best, min(0.999, weights[best] / sum(weights.values())))

@@ -12,7 +12,7 @@ from .stated import EXAMPLES, header_unit
 from .units import is_linear, scale
 
 
-def settle_scales(
+def resolve_scales(
     draft: Draft,
     columns: dict[str, list[str]],
     axes: Sequence[str],

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from .assignment import Signals, filled, moves
+from .column_context import held, without_joint
 from .gains import GAINS
 from .match import ALIKE, derivative, follows
 from .names import Role
-from .ranks import in_rank
 from .references import hold_references, settle_commands, speeds_that_are_references, unnamed_references
 from .roles import pairs
-from .siblings import held, without_joint
 from .table import Table
 from .torques import settle_torques, take_drives
+from .unnamed_columns import by_column_order
 
 
 def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Signals:
@@ -140,7 +140,7 @@ def _by_derivative(out: Signals, data: dict[str, np.ndarray], roles: dict[str, R
             (j for j, c in velocities.items() if c == b), "" if _is_counted(a, roles[a]) else roles[a].joint
         )
         found[a] = (joint or a, b)
-    rank = in_rank({a: b for a, (_, b) in found.items()}, list(data), alike) if found else {}
+    rank = by_column_order({a: b for a, (_, b) in found.items()}, list(data), alike) if found else {}
     found |= {a: (a, b) for a, b in rank.items()}
     for a in (n for n in data if n in found):  # in the file's order
         joint, b = found[a]

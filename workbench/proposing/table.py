@@ -31,14 +31,14 @@ class Table:
     clock: str | None = None
     notes: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
-    series: tuple[Series, ...] = ()
+    series: tuple[LoggedSeries, ...] = ()
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), ()))
 
 
 @dataclass(frozen=True)
-class Series:
+class LoggedSeries:
     """Columns that share one clock, as one topic of a log has them.
 
     Attributes:

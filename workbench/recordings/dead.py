@@ -54,7 +54,7 @@ def dead_note(dead: np.ndarray, axes: Sequence[str], period: float) -> str:
     which = "the drives" if len(named) == len(axes) else f"the drive of {', '.join(named)}"
     gives = "give" if len(named) > 1 else "gives"
     return (
-        f"{', '.join(spans).capitalize()} {which} {gives} no torque though it is asked for, as after an "
+        f"{', '.join(spans).capitalize()} {which} {gives} no torque although one is commanded, as after an "
         f"emergency stop: these {int(any_dead.sum())} of {len(any_dead)} rows are left out."
     )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import shlex
 import tomllib
@@ -14,7 +13,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat,
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.files import check_format, read_file
-from workbench.core.text import counted, did_you_mean
+from workbench.core.grammar import explained, unknown_key
+from workbench.core.text import counted
 from workbench.core.unfinished import finish
 from workbench.core.units import KINDS
 
@@ -54,7 +54,10 @@ def _lines(value: Any) -> Any:
 AnyColumn = Annotated[Column, BeforeValidator(_column)]
 Columns = Annotated[list[AnyColumn], BeforeValidator(_listed)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12)]  # no gain or period is larger, and its square is a number
-Numbers = Annotated[list[Number], BeforeValidator(_listed)]
+NotNegative = Annotated[Number, Field(ge=0.0)]
+Positive = Annotated[Number, Field(gt=0.0)]
+Gains = Annotated[list[NotNegative], BeforeValidator(_listed)]
+Limits = Annotated[list[Positive], BeforeValidator(_listed)]
 Lines = Annotated[str | tuple[int, ...], BeforeValidator(_lines)]
 UnitNames = Annotated[list[str], BeforeValidator(_listed)]
 
@@ -64,12 +67,12 @@ class ControllerTable(_Table):
 
     kind: Literal["none", "pd", "cascade_pv", "unknown"]
     coordinates: Literal["joint", "actuator"] = "actuator"
-    kp: Numbers | None = None
-    kd: Numbers | None = None
-    kv: Numbers | None = None
-    gain: Numbers | None = None
-    limit: Numbers | None = None
-    period_s: Number | None = None
+    kp: Gains | None = None
+    kd: Gains | None = None
+    kv: Gains | None = None
+    gain: Gains | None = None
+    limit: Limits | None = None
+    period_s: Positive | None = None
     velocity: Literal["sensor", "difference"] | None = None
 
 
@@ -78,9 +81,9 @@ class ExcitationTable(_Table):
 
     kind: Literal["chirp", "multisine", "reference", "policy", "hold", "random"] = "reference"
     mode: Literal["sum", "difference", "single"] | None = None
-    period_s: Number | None = None
-    f_min_hz: Number | None = None
-    f_max_hz: Number | None = None
+    period_s: Positive | None = None
+    f_min_hz: NotNegative | None = None
+    f_max_hz: Positive | None = None
     lines: Lines | None = None
 
 
@@ -111,11 +114,6 @@ class Description(_Table):
     timing: TimingTable = TimingTable()
 
 
-_SECTIONS: dict[str, type[_Table]] = {
-    "controller": ControllerTable,
-    "excitation": ExcitationTable,
-    "timing": TimingTable,
-}
 _COLUMN_KEYS = ("time", "valid", "ground_force", *AXIS_SIGNALS)
 
 
@@ -148,7 +146,13 @@ def read_description(path: Path) -> Description:
             raise InputError("is not a recording", file=path, remedy=remedy) from error
         raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
     except ValidationError as error:
-        raise _explain(error, path) from error
+        if error.errors()[0]["loc"] == ("format",):
+            found = content.get("format", "(none)")
+            raise InputError(
+                f"format {found} is not known to this version", file=path, column="format",
+                remedy="write format = 1",
+            ) from error  # fmt: skip
+        raise explained(error, Description, content, path) from error
     _check_names(description, path)
     return description
 
@@ -184,7 +188,7 @@ def _check_names(d: Description, path: Path) -> None:
         raise InputError(problem, file=path, column="axes", remedy=remedy)
     for signal in d.columns:
         if signal not in _COLUMN_KEYS and not is_extra(signal):
-            raise _unknown_key(f"columns.{signal}", signal, _COLUMN_KEYS, path)
+            raise unknown_key(f"columns.{signal}", signal, _COLUMN_KEYS, path)
     for needed in ("time", "position"):
         if needed not in d.columns:
             remedy = f"name the table's {needed} under [columns]"
@@ -211,40 +215,12 @@ def _check_names(d: Description, path: Path) -> None:
         raise InputError(problem, file=path, column="columns.ground_force", remedy=remedy)
     for kind in d.guessed_units:
         if kind not in KINDS:
-            raise _unknown_key("guessed_units", kind, tuple(KINDS), path)
+            raise unknown_key("guessed_units", kind, tuple(KINDS), path)
     for kind, units in d.units.items():
         if kind not in KINDS:
-            raise _unknown_key(f"units.{kind}", kind, tuple(KINDS), path)
+            raise unknown_key(f"units.{kind}", kind, tuple(KINDS), path)
         if len(units) not in (1, n):
             remedy = "give one unit, or one per axis"
             raise InputError(
                 f"has {len(units)} units for {n} axes", file=path, column=f"units.{kind}", remedy=remedy
             )
-
-
-def _explain(error: ValidationError, path: Path) -> InputError:
-    first = error.errors()[0]
-    loc: tuple[str | int, ...] = first["loc"]
-    key = ".".join(str(part) for part in loc)
-    if first["type"] == "extra_forbidden":
-        section = _SECTIONS.get(str(loc[0])) if len(loc) > 1 else Description
-        known = tuple((section or Column).model_fields)
-        return _unknown_key(key, key.split(".")[-1], known, path)
-    if key == "format":
-        found = "(none)" if first["type"] == "missing" else first["input"]
-        problem = f"format {found} is not known to this version"
-        return InputError(problem, file=path, column="format", remedy="write format = 1")
-    if first["type"] == "missing":
-        return InputError("is missing", file=path, column=key, remedy="add it")
-    said = first["msg"].removeprefix("Value error, ")
-    message = said[0].lower() + said[1:]
-    if isinstance(first["input"], float) and not math.isfinite(first["input"]):
-        message = "must be a finite number"
-    return InputError(
-        f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
-    )
-
-
-def _unknown_key(key: str, name: str, known: tuple[str, ...], path: Path) -> InputError:
-    remedy = did_you_mean(name, known) or f"known keys: {', '.join(known)}"
-    return InputError(f"unknown key '{name}'", file=path, column=key, remedy=remedy)

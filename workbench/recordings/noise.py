@@ -11,7 +11,7 @@ from workbench.core import Recording
 from workbench.core.once import once_per_recording
 
 from .encoder_noise import position_noise
-from .lattice import lattice_step
+from .quantisation import quantisation_step
 from .white_noise import white_noise
 
 _OWN = 0x5EED  # seed of noise that is added to see whether it comes out; nobody else draws from it
@@ -23,7 +23,7 @@ class NoiseLevels:
     """Sensor noise per axis, each array (n,); NaN where it is unknown.
 
     Attributes:
-        position_resolution: step of the encoder [rad or m]; 0 where positions lie on no lattice, NaN
+        position_resolution: step of the encoder [rad or m]; 0 where positions are multiples of none, NaN
             where the axis never moves.
         position_std: standard deviation of position noise, rounding included [rad or m].
         velocity_std: of velocity noise [rad/s or m/s]; NaN where velocity was not measured.
@@ -87,7 +87,7 @@ def _resolution(recording: Recording, signal: str, axis: int) -> float:
     """Return the resolution of a signal, from its rows or from those it was logged at; 0 if it has none."""
     if signal in recording.steps:
         return float(recording.steps[signal][axis])
-    return lattice_step(recording.signals[signal][recording.valid, axis])
+    return quantisation_step(recording.signals[signal][recording.valid, axis])
 
 
 def _phase(recording: Recording) -> np.ndarray | None:

@@ -18,7 +18,7 @@ from .convert import axis_signals, axis_units, extra_signals, seconds
 from .dead import dead_note, dead_rows
 from .description import Description, is_model_file, read_description
 from .jitter import settle_jitter
-from .lattice import lattice_step
+from .quantisation import quantisation_step
 from .resample import loop_keeps_time, measured_on_clock, onto_clock
 from .stated_loop import stated_loop
 from .tables import READERS, read_table
@@ -150,7 +150,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
 def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.ndarray]:
     """Return the resolution (n,) of sensors, 0 where a signal has none or never changes."""
     return {
-        name: np.array([lattice_step(x) for x in signals[name][good].T])
+        name: np.array([quantisation_step(x) for x in signals[name][good].T])
         for name in ("position", "velocity", "torque_measured")
         if name in signals
     }

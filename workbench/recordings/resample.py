@@ -9,7 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from .clock import Clock
-from .held import held_by, nearest_between_steps, nearest_row, shared_ticks, step_phase, ticks
+from .zero_order_hold import held_by, nearest_between_steps, nearest_row, shared_ticks, step_phase, ticks
 
 #: What is computed rather than measured, and so may be a staircase by design.
 _HELD = ("torque_command", "torque_feedforward", "position_reference", "velocity_reference")

@@ -24,9 +24,6 @@ def stated_loop(d: Description, path: Path) -> Controller:
         if getattr(c, key) is None:
             remedy = f"a controller of kind '{c.kind}' needs it, one number per axis"
             raise InputError("is missing", file=path, column=f"controller.{key}", remedy=remedy)
-    if c.period_s is not None and c.period_s <= 0:
-        remedy = "give the sample-and-hold period in seconds"
-        raise InputError("must be positive", file=path, column="controller.period_s", remedy=remedy)
     gains = {key: _per_axis(c, key, d, path) for key in ("kp", "kd", "kv", "gain", "limit")}
     if c.kind == "pd" and not gains["kd"]:
         gains["kd"] = (0.0,) * len(d.axes)
@@ -44,6 +41,4 @@ def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple
             f"has {counted(len(values), 'value')} for {len(d.axes)} axes", file=path,
             column=f"controller.{key}", remedy="give one number per axis",
         )  # fmt: skip
-    if key == "limit" and min(values) <= 0:
-        raise InputError("must be positive", file=path, column="controller.limit", remedy="give its size")
     return tuple(values)

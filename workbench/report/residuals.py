@@ -130,6 +130,8 @@ def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -
             continue
         x = _quantity(entry, against, k)
         y = entry.residual(name)[:, k]
+        if not has(entry, "position"):  # along the measured motion: rows that do not count leave nothing
+            y = np.where(y == 0.0, np.nan, y)
         good = np.asarray(entry.recording.valid, bool) & np.isfinite(x) & np.isfinite(y)
         xs.append(x[good])
         ys.append(y[good])

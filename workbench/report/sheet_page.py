@@ -77,7 +77,7 @@ def _section(section: Section, numbered: Iterator[int]) -> dict[str, Any]:
             for d in section.drawings
         ],
         "remarks": [plain(r) for r in section.remarks],
-        "picture": _picture(section.picture),
+        "picture": _inline(section.picture),
     }
 
 
@@ -89,6 +89,15 @@ def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
 
     figure, words = picture
     return {"picture": embedded(figure, dpi=110), "words": plain(words)}
+
+
+def _inline(picture: tuple[Figure, str] | None) -> dict[str, Any] | None:
+    """A figure as part of the page, with what it shows in words."""
+    if picture is None:
+        return None
+    from .style import inline  # slow to import, and only pictures need it
+
+    return {"svg": inline(picture[0]), "words": plain(picture[1])}
 
 
 def _key(drawing: Drawing) -> list[dict[str, Any]]:

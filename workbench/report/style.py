@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,8 @@ _RC: Any = {
     "figure.dpi": 120,
 }
 
+_VARIABLES = {light: f"var(--{name})" for name, (light, _) in COLOURS.items()} | {"#ffffff": "var(--paper)"}
+
 
 def house_style() -> AbstractContextManager[None]:
     """Give all figures that are made within the block the same style."""
@@ -70,3 +73,13 @@ def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
 def embedded(figure: Figure, dpi: int = 130) -> str:
     """Return the figure as a page holds it: a PNG in base64."""
     return base64.b64encode(figure_bytes(figure, "png", dpi)).decode("ascii")
+
+
+def inline(figure: Figure) -> str:
+    """Return the figure as SVG inside a page, in the colours of the page's scheme, light or dark."""
+    svg = figure_bytes(figure, "svg").decode()
+    svg = re.sub(r' xmlns(:xlink)?="[^"]*"', "", svg[svg.index("<svg") :])  # a page knows what SVG is
+    svg = re.sub(
+        r"<(metadata|style)\b.*?</\1>", "", svg, flags=re.DOTALL
+    )  # a style would hold for the whole page
+    return re.sub(r"#[0-9a-f]{6}(?=[;\"])", lambda found: _VARIABLES.get(found[0], found[0]), svg)

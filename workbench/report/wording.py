@@ -15,7 +15,7 @@ _NAMES = {"coulomb": "Coulomb", "stribeck": "Stribeck", "lugre": "LuGre", "dahl"
 #: Effects of a link, which turns with its joint, and not of the drive.
 _OF_LINKS = ("first_moment_error", "link_inertia_error", "link_length_error")
 #: Effects of the whole machine that are no property of its axes.
-_WHERE = {"payload_mass": "where the machine ends", "base_compliance": "under the machine"}
+_WHERE = {"payload_mass": "at the end of the machine", "base_compliance": "under the machine"}
 #: Effects whose one parameter is what there is: "a payload of 0.6 kg".
 _THINGS = {"payload_mass": "a payload"}
 #: What the error of a comparison is.

@@ -154,11 +154,11 @@ def _header(model: Model, error: PostureError, offsets: np.ndarray) -> str:
     lines = [
         f" {model.name}, a mechanism whose transmission depends on the posture, fitted over its limits:",
         " written by workbench.",
-        " Off from the closed chain by, over the workspace,",
+        " Largest and typical differences from the closed chain over the workspace:",
         *(f"   {line}" for line in error_lines(error)),
         "",
-        " A drive is a tendon in space; its position is its motor's length less, in rad,",
+        " A drive is a tendon in space. Its position is its motor's length minus these, in rad:",
         f"   {shifts}",
-        " Springs carry weight that hangs on drives: right while the base is level.",
+        " Springs carry the weight that acts on the drives; this is right while the base is level.",
     ]
     return "\n".join(lines).replace("--", "- -") + "\n"

@@ -54,7 +54,7 @@ def _mujoco3(xml: str) -> Fitted:
     lost = _cut(root)
     tendons = any(each.get("armature") for kind in ("fixed", "spatial") for each in root.iter(kind))
     reads = "MuJoCo 3.3.1 and later, for its inertia on tendons" if tendons else "MuJoCo 3"
-    advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
+    advice = ("Delay each torque in your own loop, by the time stated here.",) if lost else ()
     return Fitted(_written(root), tuple(lost), reads, advice)
 
 
@@ -87,7 +87,7 @@ def _mjlab(xml: str) -> Fitted:
         _mapped(root),
         "  robot.set_joint_effort_target(tau_drive)",
     ]
-    return Fitted(_written(root), tuple(lost), "by mjlab's documents; not run here", tuple(advice))
+    return Fitted(_written(root), tuple(lost), "after mjlab's documentation; not tested here", tuple(advice))
 
 
 def _mapped(root: ElementTree.Element) -> str:
@@ -108,7 +108,7 @@ def _newton(xml: str) -> Fitted:
             lost.append(
                 f"tendon {tendon.get('name')}: armature {armature:.6g}, in solvers other than MuJoCo's"
             )
-    return Fitted(_written(root), tuple(lost), "Newton 1.8; not run here")
+    return Fitted(_written(root), tuple(lost), "Newton 1.8; not tested here")
 
 
 def _urdf(xml: str) -> Fitted:

@@ -16,7 +16,7 @@ import numpy as np
 from workbench.core import InputError, Recording, SimulationError
 from workbench.core.drive_map import NEWTON, THERE
 from workbench.models import Model
-from workbench.recordings.lattice import lattice_step
+from workbench.recordings.quantisation import quantisation_step
 from workbench.s3n import PostureDependent, drive_map
 from workbench.s3n.posture import BEYOND
 
@@ -133,7 +133,7 @@ class _Sensors:
         self._noise = noise
         rows, n = recording.position.shape
         command = recording.get("torque_command")
-        steps = [lattice_step(x) for x in command.T] if command is not None else [0.0] * n
+        steps = [quantisation_step(x) for x in command.T] if command is not None else [0.0] * n
         noisy = np.array([each is not None for each in noise])
         self._steps = np.where(noisy[:, None], steps, 0.0)
         self._draws = [np.zeros((3, rows, n)) if each is None else each.draws(rows) for each in noise]

@@ -24,7 +24,7 @@ class Learning:
     """Settings of PPO (rsl_rl); the defaults are common for legged robots.
 
     Attributes:
-        rollout: policy steps of each world an iteration.
+        rollout: policy steps of each world per iteration.
         epochs, batches: passes over them, and mini-batches a pass.
         clip, gamma, lam, value_weight, entropy, gradient_norm: as in rsl_rl's PPO.
         rate: learning rate at the start; adapted to hold the KL divergence at `kl`.

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from workbench.core import InputError
+from workbench.core.grammar import explained
 from workbench.core.text import counted
 
 from .draws import Draws
@@ -70,16 +71,14 @@ def load_task(file: Path) -> Task:
 
 def read_task(text: str, file: Path | None) -> Task:
     """Return the task of the text of such a TOML file, as in a bundle."""
+    content: dict[str, Any] = {}
     try:
-        table = _TaskTable.model_validate(tomllib.loads(text))
+        content = tomllib.loads(text)
+        table = _TaskTable.model_validate(content)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is no TOML: {error}", file=file, remedy="see docs/training.md") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise InputError(
-            first["msg"].lower(), file=file, column=key, remedy="see docs/training.md"
-        ) from error
+        raise explained(error, _TaskTable, content, file) from error
     base = TASKS.get(_known(table.base, TASKS, "base", file))
     assert base is not None
     if table.randomisation is not None:

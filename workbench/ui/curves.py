@@ -14,7 +14,7 @@ from workbench.report.residuals import min_max
 
 from .plots import band, crosshair, figure, line, set_range, span_of, zooming
 
-_BINS = 900  # stretches that a curve is thinned to: about one a pixel
+_BINS = 900  # stretches that a curve is thinned to: about one per pixel
 _SIGNALS = (("position", "position"), ("torque_measured", "torque"))
 _LOOKS = ("measured", "before", "after")
 _HEIGHTS, _BELOW = (190, 125), 46  # of a curve and of its residual, and what the time takes below [pixels]
@@ -90,6 +90,10 @@ class Curves:
                 for look, run in (("before", before), ("after", after))
                 if run is not None and run.get(name) is not None
             }
+            if (
+                k and not self.figures[1].visible
+            ):  # along the measured motion; rows that do not count are no run
+                runs = {look: np.where(run == measured[:, axis], np.nan, run) for look, run in runs.items()}
             real = np.where(recording.valid, measured[:, axis], np.nan)
             curves = {"measured": real, **runs}
             followed = runs and all(np.array_equal(run, measured[:, axis]) for run in runs.values())

@@ -77,8 +77,8 @@ def _transmission(subject: Subject) -> list[Check]:
         about, known = "Drake, [transmission]", found.mean(axis=0)
     i, j = np.unravel_index(int(np.argmax(away)), away.shape)
     hint = (
-        f"drive '{model.axes[i]}' moves {known[i, j]:+.6g} a unit of joint '{model.joints[j]}' in the closed "
-        f"chain, and {model.transmission[i, j]:+.6g} in the model"
+        f"drive '{model.axes[i]}' moves {known[i, j]:+.6g} per unit of joint '{model.joints[j]}' in the "
+        f"closed chain, and {model.transmission[i, j]:+.6g} in the model"
     )
     if not model.posture_dependent and spread > LENGTH:
         hint += f"; J changes by {spread:.3g} over the postures: state posture_dependent = true"

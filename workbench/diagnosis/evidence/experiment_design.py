@@ -127,7 +127,7 @@ def _torques(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
     names = ("torque_command", "torque_measured", "torque_feedforward")
     torque = np.max([_spread(r, names) for r in known or recordings], axis=0)
     if not torque.any():
-        raise InputError("no torque is known by which an experiment could be sized")
+        raise InputError("no torque is known from which to size an experiment")
     return torque
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..merge import merged
 from ..names import role_of
-from ..table import Series, Table
+from ..table import LoggedSeries, Table
 
 _MOST = 64  # joints; a column with more values says something else
 _NAMES = ("name", "names", "joint", "jointname", "motor", "axis", "id", "device", "servo")
@@ -102,7 +102,7 @@ def of_list(columns: Collection[str], lists: Mapping[str, Sequence[str]]) -> dic
 
 def of_rows(
     columns: Mapping[str, np.ndarray], texts: Mapping[str, Sequence[str]]
-) -> tuple[list[Series], dict[str, str], str, str] | None:
+) -> tuple[list[LoggedSeries], dict[str, str], str, str] | None:
     """A series a joint, where each row is of the joint that it names; None where rows are of all joints.
 
     Args:
@@ -130,17 +130,17 @@ def of_rows(
             told |= dict.fromkeys(of_joint, joint)
             order = np.argsort(columns[time][rows], kind="stable")
             stamps = columns[time][rows][order]
-            series.append(Series(stamps, {n: values[order] for n, values in of_joint.items()}))
+            series.append(LoggedSeries(stamps, {n: values[order] for n, values in of_joint.items()}))
         return _together(series), told, name, time
     return None
 
 
-def _together(series: list[Series]) -> list[Series]:
+def _together(series: list[LoggedSeries]) -> list[LoggedSeries]:
     """Joints of the same stamps as one series."""
     first = series[0]
     if not all(np.array_equal(s.stamps, first.stamps) for s in series):
         return series
-    return [Series(first.stamps, {n: v for s in series for n, v in s.columns.items()})]
+    return [LoggedSeries(first.stamps, {n: v for s in series for n, v in s.columns.items()})]
 
 
 def _time(columns: Mapping[str, np.ndarray], cells: Sequence[str], joints: Sequence[str]) -> str | None:

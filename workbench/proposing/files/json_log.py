@@ -40,7 +40,7 @@ def read_json(path: Path) -> Table:
     found = sorted(_tables("", content, 0), key=lambda rows: -len(rows[1]))
     if not found:
         remedy = "give a list of records, lists of numbers by name, or one record per line"
-        raise InputError("holds no list of eight records or numbers", file=path, remedy=remedy)
+        raise InputError("holds no list of eight or more records or numbers", file=path, remedy=remedy)
     where, rows = found[0]
     names = list(dict.fromkeys(name for row in rows for name in row))
     check_cells(len(names) * len(rows), path)

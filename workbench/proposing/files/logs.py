@@ -16,7 +16,7 @@ from workbench.core import InputError
 from workbench.core.bounds import MOST_BYTES, MOST_CELLS, inside, too_large
 
 from ..merge import merged
-from ..table import Series, Table
+from ..table import LoggedSeries, Table
 
 _WIDE = 64  # numbers of one array in a message; more is a picture, not a joint
 _QUANTITIES = (("position", "position"), ("velocity", "velocity"), ("effort", "effort"))
@@ -53,7 +53,7 @@ def _table(path: Path, messages: Messages) -> Table:
     return merged(known, series, "log time")
 
 
-def _series(path: Path, messages: Messages) -> list[Series]:
+def _series(path: Path, messages: Messages) -> list[LoggedSeries]:
     stamps: dict[tuple[str, frozenset[str]], list[float]] = {}
     rows: dict[tuple[str, frozenset[str]], list[dict[str, float]]] = {}
     cells = 0
@@ -74,7 +74,7 @@ def _series(path: Path, messages: Messages) -> list[Series]:
         names = dict.fromkeys(name for row in found for name in row)
         columns = {name: np.array([row.get(name, np.nan) for row in found]) for name in names}
         order = np.argsort(times, kind="stable")
-        out.append(Series(times[order], {n: c[order] for n, c in columns.items()}))
+        out.append(LoggedSeries(times[order], {n: c[order] for n, c in columns.items()}))
     return out
 
 

@@ -101,7 +101,11 @@ function tick(now) {
   requestAnimationFrame(tick);
 }
 
-document.querySelectorAll(".key[data-of]").forEach(each => { each.style.color = colours()[each.dataset.of % 6]; });
+const paintKeys = () => document.querySelectorAll(".key[data-of]").forEach(each => {
+  each.style.color = colours()[each.dataset.of % 6];
+});
+paintKeys();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paintKeys(); show(+when.value); });
 play.onclick = () => { running = !running; play.textContent = running ? "Stop" : "Play"; };
 when.oninput = () => { running = false; play.textContent = "Play"; at = data.time[+when.value]; show(+when.value); };
 robot.onpointermove = e => {

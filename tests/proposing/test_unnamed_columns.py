@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.proposing import Answers, open_table, propose
-from workbench.proposing.ranks import in_rank
+from workbench.proposing.unnamed_columns import by_column_order
 
 T = 0.005 * np.arange(1200)
 POSITIONS = ["column_1", "column_2", "column_3"]
@@ -37,14 +37,14 @@ def test_joints_with_bad_speeds_are_joints(tmp_path: Path) -> None:
 def test_only_neighbours_in_the_same_order_count() -> None:
     names = [f"column_{k}" for k in range(1, 8)]
     alike = {("column_2", "column_5"): 0.99, ("column_3", "column_6"): 0.9, ("column_1", "column_4"): 0.7}
-    assert in_rank({"column_2": "column_5"}, names, alike) == {"column_3": "column_6"}
-    assert in_rank({"column_2": "column_5", "column_1": "column_7"}, names, alike) == {}
+    assert by_column_order({"column_2": "column_5"}, names, alike) == {"column_3": "column_6"}
+    assert by_column_order({"column_2": "column_5", "column_1": "column_7"}, names, alike) == {}
 
 
 def test_a_rival_that_is_as_good_ends_it() -> None:
     names = [f"column_{k}" for k in range(1, 8)]
     alike = {("column_2", "column_5"): 0.99, ("column_3", "column_6"): 0.9, ("column_3", "column_7"): 0.88}
-    assert in_rank({"column_2": "column_5"}, names, alike) == {}
+    assert by_column_order({"column_2": "column_5"}, names, alike) == {}
 
 
 def test_a_joint_that_turns_several_times_is_asked_about(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ _LIKE = 0.8  # likeness of a speed and the slope of its position, from which the
 _CLEARER = 0.5  # of what the next best pair lacks
 
 
-def in_rank(
+def by_column_order(
     pairs: Mapping[str, str], names: Sequence[str], likeness: Mapping[tuple[str, str], float]
 ) -> dict[str, str]:
     """Return position -> speed for neighbours of certain pairs, at the same distance if less similar.

@@ -10,7 +10,6 @@ import numpy as np
 from .clean import Clean
 from .clock import time_weights
 from .counts import turn_of, turn_that_wraps
-from .disagree import is_near, note_clock, note_factors, note_rate, note_size
 from .draft import FALLBACK_RATE, Draft
 from .likely import UnitTold, motion_units, torque_units
 from .match import Relation
@@ -18,6 +17,7 @@ from .normalised import ask_range
 from .proposal import ASK, UNKNOWN, Question
 from .scales import expected
 from .stated import header_unit, signals_of, stated_units
+from .unit_conflicts import is_near, note_clock, note_factors, note_rate, note_size
 from .units import COUNTS_A_SECOND, pint_unit
 
 _CHOICES = {
@@ -31,7 +31,7 @@ _TURNS = 0.9  # of joints that nobody says more of
 _TIE = "velocity over slope of position"
 
 
-def settle_units(
+def resolve_units(
     draft: Draft,
     rows: Clean,
     columns: dict[str, list[str]],

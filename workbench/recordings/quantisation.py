@@ -1,11 +1,11 @@
-"""The resolution of an encoder: the lattice on which all positions lie, if there is one."""
+"""The resolution of an encoder: the step of which all positions are multiples, if there is one."""
 
 from __future__ import annotations
 
 import numpy as np
 
 
-def lattice_step(values: np.ndarray) -> float:
+def quantisation_step(values: np.ndarray) -> float:
     """Return the largest step of which all differences of the values are multiples.
 
     Args:
@@ -13,7 +13,7 @@ def lattice_step(values: np.ndarray) -> float:
             does no harm.
 
     Returns:
-        The step in the values' unit; 0.0 where the values lie on no lattice, or are all equal.
+        The step in the values' unit; 0.0 if the values are multiples of no step, or are all equal.
     """
     places = np.unique(values)
     merge = 1e-9 * float(np.abs(places).max())
