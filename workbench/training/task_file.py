@@ -53,6 +53,7 @@ class _TaskTable(BaseModel):
     observations: dict[str, _Seen] = Field(default_factory=dict)
     command_low: list[_Number] | None = None
     command_high: list[_Number] | None = None
+    trunk_mass: tuple[_Number, _Number] | None = None
 
 
 def load_task(file: Path) -> Task:
