@@ -39,6 +39,7 @@ SLOW = {
     "diagnosis/test_first_link.py": _WHOLE,
     "diagnosis/test_floating.py": _WHOLE,
     "diagnosis/test_free_swing.py": _WHOLE,
+    "diagnosis/fitting/test_free_starts.py": "a fit on the ground, twice",
     "diagnosis/test_grounded.py": _WHOLE,
     "diagnosis/test_harmonics.py": _WHOLE,
     "diagnosis/test_own_friction.py": _WHOLE,
