@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -113,14 +113,13 @@ def trained(model: Model, iterations: int, seed: int, folder: Path) -> PolicyBun
     from workbench.training.export import export
     from workbench.training.learn import learn
     from workbench.training.machine import make_machine
-    from workbench.training.randomisation import Randomisation
     from workbench.training.settings import Settings
     from workbench.training.tasks import TASKS
 
     task = TASKS["reach"]
     settings = Settings(
         worlds=256, iterations=iterations, seed=seed, device="cpu", save_every=iterations, threads=0,
-        randomisation=replace(Randomisation(), legs=task.randomisation),
+        randomisation=task.differences(),
     )  # fmt: skip
     learn(
         task,

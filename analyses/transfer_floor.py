@@ -4,8 +4,8 @@
 
 The law: the model of the leg knows none at first, MuJoCo's default of 20 ms. `improve` finds two effects,
 `contact_compliance` and `ground_friction`. Stiffness and damping are then taken from how the foot sinks under
-the measured force (`transfer_sinking.py`): the damping that `improve` fits is too large. The ground of the
-quadruped is then that of the plate.
+the measured force (`transfer_sinking.py`), which tells them closer. The ground of the quadruped is then that
+of the plate.
 
 Torque constants: a hip gives 94 % of the torque that it reports. In the air nothing shows it: the identified
 inertia is larger by as much. Under load it is named.

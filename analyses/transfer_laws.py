@@ -13,7 +13,7 @@ from transfer_worlds import EVALUATION, TRAINED, TRAINING, IdentifiedLaw, Law
 
 Gaps = Callable[[Made, Made], dict[str, float]]
 _MEASURES = "E_phi", "stride frequency", "duty factor", "foot force over the stride"
-_DAMPINGS = 150.0, 200.0, 261.0  # N s/m: the plate's; what Drake's steps make of it; what windows fit
+_DAMPINGS = 150.0, 200.0, 261.0  # N s/m: the plate's; what Drake's steps make of it; still more
 _FINE_S = 0.0001
 
 

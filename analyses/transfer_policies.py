@@ -18,13 +18,17 @@ TRAINED_IN = {
     "kin_only": "Kin-Only",
     "kin_only_hr": "Kin-Only HR",
     "s3n_act": "S3N-Act",
+    "s3n_act_hr": "S3N-Act HR",
     "s3n_full": "S3N-Full",
     "s3n_full_hr": "S3N-Full HR",
 }
 #: The paper's own implementation: trained with injected torques; no simulator of the crossed tables.
 INJECTED = "explicit"
 #: Tasks that are files.
-TASK_FILES = {"trot": Path(__file__).with_name("fast_trot.py")}
+TASK_FILES = {
+    task: Path(__file__).with_name(file)
+    for task, file in (("trot", "fast_trot.py"), ("jump", "trained_jump.py"), ("payload", "payload_lap.py"))
+}
 #: What judges them -> name in print, from the least to the most that is known.
 SIMULATORS = {
     "kin_only": "Kin-Only",

@@ -6,6 +6,7 @@ A run is known by its policy, model, options and all of the package's source, so
 from __future__ import annotations
 
 import hashlib
+import os
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
@@ -83,7 +84,7 @@ class Kept:
         if file.exists():
             return joblib.load(file)
         made = _run(job)
-        part = file.with_suffix(".part")
+        part = file.with_suffix(f".{os.getpid()}.part")  # another process may be at the same run
         file.parent.mkdir(parents=True, exist_ok=True)
         joblib.dump(made, part, compress=3)
         part.replace(file)

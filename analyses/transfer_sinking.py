@@ -1,8 +1,7 @@
 """How a foot sinks under the force that a plate measures: stiffness and damping of the ground.
 
 `improve` fits both by running the model in short windows from measured states, and leaves out the rows in
-which a foot lands, since no log tells where in a row that is. What is left shows little of the damping, and
-the noise of a window's start dies away sooner in a model that has more of it: its fit is pulled upwards.
+which a foot lands, since no log tells where in a row that is. What is left shows less of the damping.
 
 The force on a plate is far more exact than what encoders say of the depth of a foot. So the force is taken
 for given here, and the depth that it makes is held against the encoders, row by row. Noise is then in what is
@@ -14,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
+from workbench.comparison.feet import Feet
 from workbench.core import Recording
-from workbench.models import Model, load_tree
+from workbench.effects import compile_plant
+from workbench.models import Model
 
 _TOUCHES = 6.0  # of the force's noise
 _START = 3e4, 100.0  # N/m, N s/m
@@ -78,7 +78,9 @@ class _Run:
         pressed = force > _TOUCHES * noise
         lands = pressed & ~np.concatenate([[True], pressed[:-1]])
         used = pressed & ~lands  # the foot landed somewhere between this row and the one before
-        return _Run(np.where(pressed, force, 0.0), _depth(leg, r), used, r.period)
+        position = r.position @ r.to_actuator(leg.transmission).T
+        depth = Feet.along(compile_plant(leg, r.period, grounded=True), position, every=1).depth[:, 0]
+        return _Run(np.where(pressed, force, 0.0), depth, used, r.period)
 
     def sunk(self, stiffness: float, damping: float) -> np.ndarray:
         """Depth (N,) [m] that the force makes: k d + c d' = force, linear from row to row."""
@@ -98,19 +100,3 @@ def _spans(on: np.ndarray) -> list[tuple[int, int]]:
     """First row, and row after the last, of every stretch that is on."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]])))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _depth(leg: Model, r: Recording) -> np.ndarray:
-    """Depth (N,) [m] of the foot in the plate, by the encoders; negative in the air."""
-    ground = leg.ground
-    assert ground is not None and ground.radius is not None and ground.height is not None
-    m = load_tree(leg.serial).compile()
-    data, foot = mujoco.MjData(m), m.site(ground.feet[0]).id
-    places = [m.joint(name).qposadr[0] for name in leg.joints]
-    joints = r.signals["position"] @ (np.linalg.inv(leg.transmission) @ r.to_actuator(leg.transmission)).T
-    height = np.empty(len(joints))
-    for i, q in enumerate(joints):
-        data.qpos[places] = q
-        mujoco.mj_kinematics(m, data)
-        height[i] = data.site_xpos[foot, 2]
-    return ground.height + ground.radius - height

@@ -2,12 +2,12 @@
 
     python analyses/transfer_study.py gait --out out/transfer
 
-One table a question: ``gait`` (a lap of 0.8 m/s and 0.8 rad/s), ``pitch`` (in place, 5 Hz), ``jump`` (a
-script), ``payload`` (the lap with 4 kg), ``push`` (from the side, on the lap), ``trot`` (1.8 m/s),
-``contact`` (the law of the contact), ``damping`` (of that law), ``robot`` (a hardware that is less ideal),
-``estimator`` (of the velocity) and ``paper`` (every policy in its own simulator alone). Every policy runs in
-every simulator, against the same hardware run; hardware again is another run of it, with other noise. Runs
-and models are kept in the folder.
+One table a question: ``gait`` (a lap of 0.8 m/s and 0.8 rad/s), ``pitch`` (in place, 5 Hz), ``jump`` (to
+0.50 m, again and again), ``script`` (a jump without a policy), ``payload`` (the lap with 4 kg), ``push``
+(from the side, on the lap), ``trot`` (1.8 m/s), ``contact`` (the law of the contact), ``damping`` (of that
+law), ``robot`` (a hardware that is less ideal), ``estimator`` (of the velocity) and ``paper`` (every policy
+in its own simulator alone). Every policy runs in every simulator, against the same hardware run; hardware
+again is another run of it, with other noise. Runs and models are kept in the folder.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from trained_jump import APEX, PERIOD_S
 from transfer_crossed import Study, Values, cells, collected, crossed, table, told
+from transfer_jumps import JUMPED, JUMPS, jump_gaps
 from transfer_laws import damping_table, laws_table
 from transfer_measures import (
     GAIT,
@@ -78,12 +80,10 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, Values]:
     return result
 
 
-def gait(study: Study, robot: Robot | None = None, name: str = "gait") -> dict[str, Values]:
+def gait(study: Study) -> dict[str, Values]:
     """The lap: all policies in all simulators."""
-    units, robot = study.policies("circular"), robot or study.hardware()
-    load = f" with {robot.payload:g} kg" if robot.payload else ""
-    title = f"A lap at 0.8 m/s and 0.8 rad/s{load}, {study.which}"
-    return _walked(study, name, title, crossed(study, units, _seconds(study), robot), _lap_gaps)
+    runs = crossed(study, study.policies("circular"), _seconds(study), study.hardware())
+    return _walked(study, "gait", f"A lap at 0.8 m/s and 0.8 rad/s, {study.which}", runs, _lap_gaps)
 
 
 def trot(study: Study) -> dict[str, Values]:
@@ -118,8 +118,11 @@ def push(study: Study) -> dict[str, Values]:
 
 
 def payload(study: Study) -> dict[str, Values]:
-    """The lap with 4 kg that simulators know of."""
-    return gait(study, study.hardware(payload=4.0), "payload")
+    """The lap with 4 kg that simulators know of: policies trained with loads."""
+    robot = study.hardware(payload=4.0)
+    runs = crossed(study, study.policies("payload"), _seconds(study), robot)
+    title = f"A lap at 0.8 m/s and 0.8 rad/s with {robot.payload:g} kg, {study.which}"
+    return _walked(study, "payload", title, runs, _lap_gaps)
 
 
 def pitch(study: Study) -> dict[str, Values]:
@@ -132,6 +135,15 @@ def pitch(study: Study) -> dict[str, Values]:
 
 
 def jump(study: Study) -> dict[str, Values]:
+    """Jumps to 0.50 m: policies of two levels of randomisation."""
+    units = study.policies("jump")
+    seconds = (1 if study.quick else JUMPS) * PERIOD_S
+    values = collected(list(JUMPED), *crossed(study, units, seconds, study.hardware()), jump_gaps)
+    told(study, "jump", f"Jumps to {APEX:.2f} m, {study.which}", len(units), JUMPED, values)
+    return values
+
+
+def script(study: Study) -> dict[str, Values]:
     """The scripted jump at several heights."""
     heights = (1.0,) if study.quick else tuple(np.linspace(0.7, 1.0, 7))
     jobs = [Job(0.0, study.seed + k, robot=study.hardware(), height=h) for k in (0, 1) for h in heights]
@@ -147,7 +159,7 @@ def jump(study: Study) -> dict[str, Values]:
     values = collected(list(measures), hardware, again, dict(zip(study.files, others, strict=True)), gaps)
     best = hardware[-1]
     title = f"A scripted jump, {study.which} (to {best.apex:.3f} m, off at {best.take_off:.2f} m/s)"
-    told(study, "jump", title, len(heights), measures, values)
+    told(study, "script", title, len(heights), measures, values)
     return values
 
 
@@ -204,7 +216,8 @@ def paper(study: Study) -> dict[str, Values]:
 
 
 QUESTIONS: dict[str, Callable[[Study], dict[str, Values]]] = {
-    f.__name__: f for f in (gait, pitch, jump, payload, push, trot, contact, damping, robot, estimator, paper)
+    f.__name__: f
+    for f in (gait, pitch, jump, script, payload, push, trot, contact, damping, robot, estimator, paper)
 }
 
 

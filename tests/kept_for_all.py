@@ -64,6 +64,7 @@ SLOW = {
     "diagnosis/test_floating.py": _WHOLE,
     "diagnosis/test_free_swing.py": _WHOLE,
     "diagnosis/test_gantry.py": _WHOLE,
+    "diagnosis/fitting/test_free_starts.py": "a fit on the ground, twice",
     "diagnosis/test_grounded.py": _WHOLE,
     "diagnosis/test_harmonics.py": _WHOLE,
     "diagnosis/test_hidden.py": _WHOLE,

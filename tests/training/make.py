@@ -9,7 +9,7 @@ from workbench.effects import load_model
 from workbench.training.environment import Environment
 from workbench.training.learn import learn
 from workbench.training.machine import Machine, make_machine
-from workbench.training.randomisation import Randomisation, world_fields
+from workbench.training.randomisation import world_fields
 from workbench.training.settings import Learning, Settings
 from workbench.training.tasks import TASKS
 from workbench.training.worlds import BatchWorlds
@@ -22,7 +22,7 @@ def machine(kind: str, variant: str = "s3n_full") -> Machine:
 
 def environment(task: str, worlds: int = 4, seed: int = 0, noise: bool = True) -> Environment:
     wanted = TASKS[task]
-    made, settings = machine(wanted.machine), Randomisation(legs=wanted.randomisation)
+    made, settings = machine(wanted.machine), wanted.differences()
     engine = BatchWorlds(made, worlds, world_fields(made, settings, worlds, seed), threads=1)
     return Environment(wanted, made, engine, worlds, settings, seed, noise)
 

@@ -15,6 +15,7 @@ from workbench.training.evaluate import evaluate
 from workbench.training.export import export
 from workbench.training.learn import learn
 from workbench.training.of_bundle import task_of
+from workbench.training.randomisation import world_fields
 from workbench.training.settings import Learning, Settings
 from workbench.training.task_file import posed, read_task
 from workbench.training.tasks import TASKS
@@ -50,6 +51,20 @@ def test_what_the_file_says_is_changed_and_all_else_is_the_base() -> None:
     assert made.posture.tolist() == [-0.4, 1.2]
     drawn = task.command(Draws(np, 0, np.zeros(1)), 50, made)
     assert drawn.shape == (50, 8) and drawn[:, 4].min() >= 1.0 and drawn[:, 4].max() <= 4.0
+
+
+def test_a_load_is_drawn_within_the_task_s_range() -> None:
+    made = machine("quadruped")
+    text = 'format = 1\nbase = "circular"\ntrunk_mass = [2.0, 5.0]\n'
+    drawn = read_task(text, None).differences("none")
+    trunk = made.mujoco.body("trunk").id
+    added = world_fields(made, drawn, 50, 0)["body_mass"][:, trunk] - made.mujoco.body_mass[trunk]
+    assert drawn.legs == "none" and 2.0 <= added.min() < 2.5 and 4.5 < added.max() <= 5.0
+    with pytest.raises(InputError, match="leave nothing of a trunk"):
+        world_fields(made, read_task(text.replace("2.0", "-20"), None).differences(), 2, 0)
+    for wrong in (text.replace("2.0", "6"), text.replace("circular", "reach")):
+        with pytest.raises(InputError, match="no range of a trunk's additional mass"):
+            read_task(wrong, None)
 
 
 @pytest.mark.parametrize(

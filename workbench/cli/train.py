@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -96,7 +95,7 @@ def train(
     from workbench.effects import load_model
     from workbench.training.loggers import check_logger
     from workbench.training.machine import make_machine
-    from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
+    from workbench.training.randomisation import LEG_RANDOMISATION
     from workbench.training.record import model_of, objections, read_record, record_path, summary
     from workbench.training.settings import Settings
     from workbench.training.task_file import load_task, posed
@@ -160,7 +159,7 @@ def train(
         device=device,
         save_every=save_every,
         threads=threads,
-        randomisation=replace(Randomisation(), legs=legs),
+        randomisation=wanted.differences(legs),
     )
     folder = Path(output)
     last: list[Progress] = []

@@ -28,11 +28,14 @@ class Feet:
     jacobian: np.ndarray
 
     @staticmethod
-    def along(plant: Plant, position: np.ndarray) -> Feet:
-        """Return the feet of a plant on its ground, for drive positions (N, n)."""
+    def along(plant: Plant, position: np.ndarray, every: int = _EVERY) -> Feet:
+        """Return the feet of a plant on its ground, for drive positions (N, n).
+
+        They are computed at `every` so many rows, and interpolated in between.
+        """
         m = plant.mujoco
         data, feet = mujoco.MjData(m), feet_of(m, plant.contacts)
-        rows = np.unique(np.append(np.arange(0, len(position), _EVERY), len(position) - 1))
+        rows = np.unique(np.append(np.arange(0, len(position), every), len(position) - 1))
         serial = position[rows] @ np.linalg.inv(plant.model.transmission).T
         joints = plant.state_at(np.stack([serial, serial], axis=1))[:, 0]
         depth, normal = np.zeros((len(rows), len(feet))), np.zeros((len(rows), len(feet), 3))

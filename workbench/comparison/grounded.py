@@ -143,6 +143,17 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
         """Return the responses to small disturbances in all windows, linearised row by row."""
         return on_all_cores(_respond, loops, disturbances)
 
+    def start_responses(self, model: Model, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the starts of the windows, and what position and velocity measured there do."""
+        s = self._standing[index]
+        tangents, (rows, n) = Tangents(self._on_ground(model), s.windows), s.windows.torque.shape
+        readings = np.zeros((2 * n, 2, rows, n))
+        for k in range(2 * n):
+            readings[k, k // n, :, k % n] = 1.0
+        position, force = tangents.travel(np.zeros((2 * n, rows, n)), readings)
+        position = position - np.moveaxis(readings[:, 0], 0, -1)  # the sensors go on reading what they read
+        return s.windows.starts, np.stack(_compared(s, position, force), axis=1)
+
     def _on_ground(self, model: Model) -> Plant:
         plant = compile_plant(model, self._step[1], grounded=True)
         if self._integrator is not None:
@@ -234,10 +245,11 @@ def _respond(loop: tuple[Standing, Tangents], disturbance: Disturbance) -> tuple
     readings = np.zeros((len(extra), 2, *extra.shape[1:]))
     for column, values in disturbance.readings.items():
         readings[column] = values
-    position, force = tangents.travel(extra, readings)
-    back = np.linalg.inv(s.to_actuator)
-    position = np.einsum("ij,kjc->kic", back, position)
-    torque = (
-        np.stack([s.torque(force[..., c]) for c in range(len(extra))], axis=-1) if len(extra) else position
-    )
-    return position, torque
+    return _compared(s, *tangents.travel(extra, readings))
+
+
+def _compared(s: Standing, position: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Changes of the drives (N, n, C) and of the ground's force (N, 3 F, C), as recordings have them."""
+    position = np.einsum("ij,kjc->kic", np.linalg.inv(s.to_actuator), position)
+    each = [s.torque(force[..., c]) for c in range(position.shape[-1])]
+    return position, np.stack(each, axis=-1) if each else position

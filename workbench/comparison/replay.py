@@ -90,3 +90,12 @@ class Replay(ABC, Generic[Travel]):
         self, loops: Sequence[Travel], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return the responses of position and compared torque, (N, n, C) each, per loop."""
+
+    def start_responses(self, model: Model, index: int) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the first rows of a recording's windows (W,), and what a change of the state measured at
+        each start does in its window to position and compared torque, (N, 2, n, k).
+
+        None where runs do not start from measured states.
+        """
+        del model, index
+        return None

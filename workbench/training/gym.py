@@ -62,7 +62,7 @@ class WorkbenchVectorEnv(VectorEnv):
             remedy = "install the extra: pip install -e '.[gym]' in the checkout"
             raise InputError("gymnasium is not installed", remedy=remedy) from error
         self.task, self.machine, self.num_envs, self._seed = task, machine, num_envs, seed
-        self._drawn = randomisation or Randomisation(legs=task.randomisation)
+        self._drawn = randomisation or task.differences()
         count = int(sum(sizes(task, machine)))
         high = np.full(machine.size, ACTION_LIMIT, np.float32)
         self.single_observation_space = Box(-np.inf, np.inf, (count,), np.float32)

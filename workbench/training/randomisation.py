@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from workbench.core import Estimate
+from workbench.core import Estimate, InputError
 from workbench.models import Model
 
 from .machine import LEGS, Machine, make_machine
@@ -77,6 +77,9 @@ def world_fields(machine: Machine, settings: Randomisation, worlds: int, seed: i
         settings: what to draw.
         worlds: how many.
         seed: of the draw.
+
+    Raises:
+        InputError: the lowest addition to the trunk's mass leaves none of it.
     """
     generator, m = np.random.default_rng(seed), machine.mujoco
     out: Fields = _drawn_models(machine, settings, worlds, generator)
@@ -96,6 +99,11 @@ def world_fields(machine: Machine, settings: Randomisation, worlds: int, seed: i
         field("body_ipos")[:, bodies] += generator.uniform(-links.centre, links.centre, (*many, 3))
     if machine.floating:
         trunk = m.body("trunk").id
+        if m.body_mass[trunk] + settings.base_mass[0] <= 0.0:
+            raise InputError(
+                f"{settings.base_mass[0]:g} kg leave nothing of a trunk of {m.body_mass[trunk]:g} kg",
+                column="trunk_mass", remedy="give a higher lowest addition",
+            )  # fmt: skip
         field("body_mass")[:, trunk] += generator.uniform(*settings.base_mass, worlds)
         spread = settings.base_centre
         field("body_ipos")[:, trunk] += generator.uniform(-spread, spread, (worlds, 3))

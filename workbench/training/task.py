@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from .draws import Draws
 from .machine import Machine
+from .randomisation import Randomisation
 from .situation import POLICY_S, Array
 from .terms import Observation, Reward
 
@@ -55,6 +56,8 @@ class Task:
         goal: joint angles and speeds to follow, ``goal(xp, command, time) -> (W, n), (W, n)`` [rad, rad/s];
             None where the task is no motion of the joints.
         scores: what an evaluation is judged by, of its log; nothing where it is left out.
+        trunk_mass: lowest and highest addition to the mass of a trunk, in place of those of `Randomisation`
+            [kg].
     """
 
     name: str
@@ -77,8 +80,14 @@ class Task:
     trial: Callable[[Machine], Array] | None = None
     goal: Callable[[Any, Array, Array], tuple[Array, Array]] | None = None
     scores: Callable[[Logged], dict[str, float]] = lambda log: {}
+    trunk_mass: tuple[float, float] | None = None
 
     @property
     def episode_steps(self) -> int:
         """Return the number of policy steps in an episode."""
         return round(self.episode_s / POLICY_S)
+
+    def differences(self, legs: str | None = None) -> Randomisation:
+        """Return what its worlds differ in; `legs` in place of the task's `randomisation`."""
+        drawn = Randomisation(legs=legs or self.randomisation)
+        return drawn if self.trunk_mass is None else replace(drawn, base_mass=self.trunk_mass)

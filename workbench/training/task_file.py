@@ -54,6 +54,7 @@ class _TaskTable(BaseModel):
     observations: dict[str, _Seen] = Field(default_factory=dict)
     command_low: list[_Number] | None = None
     command_high: list[_Number] | None = None
+    trunk_mass: tuple[_Number, _Number] | None = None
 
 
 def load_task(file: Path) -> Task:
@@ -89,9 +90,14 @@ def read_task(text: str, file: Path | None) -> Task:
         _known(name, [o.name for o in base.observations], f"observations.{name}", file)
     changes: dict[str, Any] = {
         key: value
-        for key in ("about", "episode_s", "action_scale", "iterations", "randomisation")
+        for key in ("about", "episode_s", "action_scale", "iterations", "randomisation", "trunk_mass")
         if (value := getattr(table, key)) is not None
     }
+    if table.trunk_mass is not None and (base.machine == "leg" or table.trunk_mass[0] > table.trunk_mass[1]):
+        raise InputError(
+            "is no range of a trunk's additional mass", file=file, column="trunk_mass",
+            remedy="give lowest and highest [kg] for a task of a quadruped, or leave it out",
+        )  # fmt: skip
     if table.hidden is not None:
         changes["hidden"] = tuple(table.hidden)
     if table.command_low is not None or table.command_high is not None:

@@ -202,7 +202,7 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
             for folds in (data.folds, data.phase_folds if any(data.motion_periods) else ())
         )
         work.noise = sum(
-            (scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
+            (scatter([draw[i] * data.weight for draw in data.draws], own[i]) for i in range(data.training)),
             np.zeros((own[0].shape[-1],) * 2),
         )
 

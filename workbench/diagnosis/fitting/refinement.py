@@ -18,6 +18,7 @@ from ..policy import POLICY
 from ..screening.candidate import Candidate
 from ..screening.sensitivity import Linearisation, combine
 from .fit import FINE_TOLERANCE, fit, values_of
+from .free_starts import with_free_starts
 from .uncertainty import moved_apart, widened
 
 _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
@@ -99,12 +100,12 @@ def converged(found: Fit, data: Data) -> Fit:
     for _ in range(_ROUNDS):
         better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]
         if better is None or better.training_loss > found.training_loss:
-            return found
+            break
         still_falling = better.training_loss < (1.0 - POLICY.tie) * found.training_loss
         found = widened(better, found)
         if not still_falling:
             break
-    return found
+    return with_free_starts(found, data)
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:

@@ -67,10 +67,12 @@ def covariance_of(
     return from_noise * excess + jackknife
 
 
-def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
-    """The covariance (C, C) of the right-hand side that noise causes in one recording, from its draws."""
+def scatter(draws: list[np.ndarray], response: np.ndarray) -> np.ndarray:
+    """The covariance (C, C) of the right-hand side that noise causes in one recording, from its draws; all
+    weighted.
+    """
     flat = response.reshape(draws[0].size, response.shape[-1])
-    hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
+    hits = np.stack([flat.T @ d.reshape(-1) for d in draws])
     return hits.T @ hits / len(hits)
 
 

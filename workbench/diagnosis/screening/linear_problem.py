@@ -121,7 +121,7 @@ def linear_of(linearisation: Linearisation) -> Linear:
     own = [
         total([p for p, f in zip(known.pieces, data.folds, strict=True) if f.recording == i]) for i in each
     ]
-    spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
+    spread = [scatter([draw[i] * data.weight for draw in data.draws], changes[i]) for i in each]
     quiet = np.array([np.sum(data.floor[i] * white) * len(linearisation.runs[i]) for i in each])
     level = quiet.sum() / max(sum(p.samples for p in own) * np.count_nonzero(white), 1)
     return Linear(entries, own, quiet, np.sum(spread, axis=0), level, known)
