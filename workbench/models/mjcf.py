@@ -1,4 +1,4 @@
-"""Limits on MJCF files: bodies, but no plugin; files beside or below it, and meshes in a folder beside its own."""
+"""Limits on MJCF files: no plugin; files beside or below them, meshes also in a folder beside theirs."""
 
 from __future__ import annotations
 
