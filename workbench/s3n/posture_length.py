@@ -24,7 +24,8 @@ _SHORT = (
     0.25  # of its greatest length: a branch that gets shorter turns too fast to be trusted between postures
 )
 _FAR = 1e-4  # weight of points' distances [sizes] beside relative errors: nothing is far away for nothing
-_SPREAD = 1e-3  # price of a candidate's share: of many that would do the same, it does not depend on rounding
+# of a candidate's share, by start: of many that would do the same, the choice must not hang on rounding
+_PRICES = 1e-3, 1e-2, 0.0
 _RATE = 0.2  # rad: weight of the gradient's slope beside the gradient, v^2 / a of a brisk motion
 _ROUNDS = 300
 
@@ -109,7 +110,7 @@ def fit_length(goal: Goal, branches: int, seed: int) -> tuple[Branches, float]:
     """
     scale = float(np.sqrt(np.mean(np.sum(_turned(goal.metric, goal.gradient) ** 2, axis=1))))
     problem = _Problem(replace(goal, metric=goal.metric / scale))
-    start = problem.choose(branches, np.random.default_rng(seed))
+    start = problem.choose(branches, seed)
     x = least_squares(
         lambda x: problem.at(x)[0],
         problem.pack(start),
@@ -130,8 +131,8 @@ class _Problem:
         self.goal, self.bodies = goal, np.empty((0, 2), int)
         self._known: tuple[bytes, np.ndarray, np.ndarray] | None = None
 
-    def choose(self, count: int, generator: np.random.Generator) -> Branches:
-        goal, f = self.goal, self.goal.frames
+    def choose(self, count: int, seed: int) -> Branches:
+        goal, f, generator = self.goal, self.goal.frames, np.random.default_rng(seed)
         pairs = np.array(list(combinations(range(len(f.bodies)), 2)))
         bodies = pairs[generator.integers(len(pairs), size=_CANDIDATES)]
         spread = goal.size * generator.choice([0.3, 1.0, 3.0], size=(_CANDIDATES, 1, 1))
@@ -140,7 +141,9 @@ class _Problem:
         distance, gradients = many.gradients(f)
         good = distance.min(axis=1) > 1.2 * _SHORT * distance.max(axis=1)
         columns = _turned(goal.metric, gradients[good]).reshape(good.sum(), -1).T
-        weights = strongest(columns, _turned(goal.metric, goal.gradient).ravel(), count, _SPREAD)
+        weights = strongest(
+            columns, _turned(goal.metric, goal.gradient).ravel(), count, _PRICES[seed % len(_PRICES)]
+        )
         kept = np.flatnonzero(good)[weights > 0.0]
         self.bodies = bodies[kept]
         return Branches(bodies[kept], points[kept], weights[weights > 0.0])
