@@ -20,9 +20,11 @@ from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import joints_of
 from workbench.deployment.command import RATE, Command
+from workbench.deployment.deploy import deploy
 from workbench.deployment.limits import limits_of
 from workbench.deployment.permitted import permitted, refuse_untested
 from workbench.deployment.policies import check_bundle
+from workbench.deployment.simulated import SimulatedNetwork
 from workbench.deployment.trained import TILT, trained_of
 
 RECORD = {
@@ -83,6 +85,25 @@ def test_the_command_refuses_it_before_a_bus_is_opened(tmp_path: Path) -> None:
     assert "cannot be opened" in str(done.exception)
     done = CliRunner().invoke(app, ["deploy", *words, "--dry-run", "--seconds", "1"])
     assert done.exit_code == 0 and "not approved" in done.stderr
+
+
+def test_what_needs_no_bus_is_checked_before_a_person_is_asked_or_virtual_motors_are_made(
+    tmp_path: Path,
+) -> None:
+    made = list[str]()
+
+    def network() -> SimulatedNetwork:
+        made.append("motors")
+        return SimulatedNetwork(load_config(leg(tmp_path)))
+
+    weak, loaded = load_config(with_limits(tmp_path, torque=3.0)), read_bundle(bundle(tmp_path))
+    with pytest.raises(InputError, match="'hip' may have 3 N m"):
+        deploy(weak, loaded, 1.0, network=network, confirm=lambda: made.append("asked"))
+    assert not made
+    done = deploy(
+        load_config(leg(tmp_path)), loaded, 0.1, network=network, confirm=lambda: made.append("asked")
+    )
+    assert done["fault"] is None and made == ["asked", "motors"]
 
 
 @pytest.mark.parametrize(

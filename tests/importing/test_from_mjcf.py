@@ -12,6 +12,7 @@ import pytest
 from tests.cli.here import run
 from workbench.core import InputError, Mechanism
 from workbench.importing import Drives, contents_of, import_model
+from workbench.importing.from_mjcf import convert
 from workbench.mechanism import ClosedChain
 from workbench.models import read_model
 from workbench.verification import verify
@@ -108,6 +109,19 @@ def test_a_weld_holds_an_angle_too(tmp_path: Path) -> None:
     assert model.closed_chain is not None
     np.testing.assert_allclose(model.transmission, [[1.0]], atol=1e-9)
     np.testing.assert_allclose(ClosedChain(model.closed_chain).tree_position(np.array([0.3])), 0.3, atol=1e-9)
+
+
+def test_without_a_keyframe_assembly_begins_at_the_files_pose_or_inside_ranges(tmp_path: Path) -> None:
+    file = tmp_path / "robot.xml"
+    joints = {"at_zero": 'range="-1 1"', "beyond": 'range="0.5 1.5"', "turned": 'ref="0.4" range="-1 1"'}
+    bodies = "".join(
+        f'<body><joint name="{name}" axis="0 1 0" {more}/><geom size="0.1"/></body>'
+        for name, more in joints.items()
+    )
+    bonds = '<equality><joint joint1="at_zero" joint2="turned"/></equality>'
+    angle = '<compiler angle="radian" autolimits="true"/>'
+    file.write_text(f"<mujoco>{angle}<worldbody>{bodies}</worldbody>{bonds}</mujoco>")
+    assert convert(file).start == {"beyond": 1.0, "turned": 0.4}
 
 
 @pytest.mark.parametrize(

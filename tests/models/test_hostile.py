@@ -41,9 +41,9 @@ def with_(text: str, content: str) -> str:
         ('<include file="link.xml"/>', "is outside its folder"),
         ('<asset><model name="m" file="leg.xml"/></asset>', "included by itself"),
         ('<asset><model name="m" file="../out.xml"/></asset>', "is outside its folder"),
-        ('<asset><mesh name="m" file="../out.stl"/></asset>', "is outside its folder"),
+        ('<asset><mesh name="m" file="../../out.stl"/></asset>', "is outside its folder"),
         ('<asset><mesh name="m" file="/dev/zero"/></asset>', "is not a path inside"),
-        ('<compiler meshdir="../"/><asset><mesh name="m" file="a.stl"/></asset>', "is outside its folder"),
+        ('<compiler meshdir="../../"/><asset><mesh name="m" file="a.stl"/></asset>', "is outside its folder"),
         ('<extension><plugin plugin="mujoco.pid"/></extension>', "plugin"),
         ('<option gravity="0 0 -1e300"/>', r"gravity is -1e\+300 m/s\^2"),
         ("<a>" * 500 + "</a>" * 500, "nests more than"),
@@ -53,7 +53,6 @@ def test_an_mjcf_describes_a_body_and_no_more(content: str, says: str, tmp_path:
     folder = tmp_path / "own"
     folder.mkdir()
     (tmp_path / "out.xml").write_text("<mujoco/>")
-    (tmp_path / "out.stl").write_bytes(b"")
     (folder / "link.xml").symlink_to(tmp_path / "out.xml")
     (folder / "leg.xml").write_text(with_(LEG, content))
     refused(folder / "leg.xml", says)
@@ -64,6 +63,17 @@ def test_files_beside_and_below_may_be_included(tmp_path: Path) -> None:
     (tmp_path / "parts" / "option.xml").write_text('<mujoco><option timestep="0.002"/></mujoco>')
     (tmp_path / "leg.xml").write_text(with_(LEG, '<include file="parts/option.xml"/>'))
     assert load_mjcf(tmp_path / "leg.xml").option.timestep == 0.002
+
+
+def test_meshes_may_lie_in_a_folder_beside_that_of_the_file(tmp_path: Path) -> None:
+    for name in ("meshes", "xml"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "meshes" / "corner.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    )
+    named = '<compiler meshdir="../meshes/"/><asset><mesh name="corner" file="corner.obj"/></asset>'
+    (tmp_path / "xml" / "leg.xml").write_text(with_(LEG, named))
+    assert len(load_mjcf(tmp_path / "xml" / "leg.xml").meshes) == 1
 
 
 def test_a_model_that_is_attached_may_no_more_than_the_first(tmp_path: Path) -> None:

@@ -33,6 +33,15 @@ def test_shipped_models_are_found_by_name_and_by_path(name: str) -> None:
     assert load_model(f"models/{name}.toml").effects == model.effects
 
 
+def test_a_file_that_is_missing_is_no_shipped_model_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("leg.toml", str(tmp_path / "leg.toml"), "sub/leg"):
+        with pytest.raises(InputError, match="no such model file"):
+            load_model(name)
+
+
 def test_one_number_stands_for_every_axis(tmp_path: Path) -> None:
     actuators = {"inertia": 0.02, "damping": [0.1, 0.2], "delay_s": 0.001}
     model = load_model(leg_file(tmp_path, actuators=actuators))

@@ -13,7 +13,7 @@ from tests.s3n.postures import drake, model, series, states
 from tests.simulation.make import having
 from workbench.core import EffectKey, Estimate, InputError
 from workbench.effects import load_model
-from workbench.models import AppliedEffect, Model, read_model
+from workbench.models import AppliedEffect, Model, load_mjcf, read_model
 from workbench.s3n import compiled_dynamics
 from workbench.s3n.normalise import write_normalised
 from workbench.s3n.posture import PostureDependent
@@ -60,7 +60,7 @@ def test_it_is_near_the_closed_chain(fitted: FittedTree) -> None:
         np.array([chain.serial_dynamics(x, np.zeros(2)).mass for x in q]) + j.transpose(0, 2, 1) @ rotor @ j
     )
     off = np.abs(relative_inertia(ours.mass, real)).max()
-    assert off <= fitted.error.inertia_max < 0.01
+    assert off <= 1.01 * fitted.error.inertia_max < 0.01  # stated on a grid
     assert fitted.error.gravity_rms < 0.01 and fitted.error.velocity_rms < 0.1
 
 
@@ -96,6 +96,16 @@ def test_its_bodies_can_be_built(fitted: FittedTree) -> None:
     assert (m.dof_armature >= 0).all() and (m.tendon_armature >= 0).all() and (m.tendon_damping >= 0).all()
     # the whole machine's mass: links, crank and coupler
     assert m.body_mass.sum() == pytest.approx(2.145, rel=0.02)
+
+
+def test_its_links_are_those_of_the_file_where_motion_does_not_tell(fitted: FittedTree) -> None:
+    """A link has its own mass, and less than all of the crank's and the coupler's beside it."""
+    stated = load_mjcf(model("four_bar").serial).compile()
+    omitted = 2.145 - stated.body_mass.sum()
+    for name in ("thigh", "shank"):
+        ours, own = fitted.mujoco.body(name), stated.body(name)
+        assert own.mass[0] <= ours.mass[0] < own.mass[0] + omitted
+        assert np.linalg.norm(ours.ipos - own.ipos) < 0.03
 
 
 def test_the_file_says_what_it_is_off_by(fitted: FittedTree, tmp_path: Path) -> None:

@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from workbench.core import Check, InputError, Verification
+from tests.importing.leg_urdf import urdf_of_a_leg
+from workbench.core import Check, Coupling, InputError, Mechanism, Verification
 from workbench.core.paths import models_folder
+from workbench.importing import Drives, import_model
 from workbench.models import read_model
 from workbench.verification import verify
 from workbench.verification.posture import posture_checks
@@ -53,6 +55,21 @@ def test_the_five_bar_agrees_in_every_engine() -> None:
     about = [fact for name, (_, _, fact) in result.facts.items() if name.startswith("fitted_")]
     assert about and all(fact.endswith(" is") for fact in about), "a number and its unit follow"
     assert not result.variants and not result.not_checked
+
+
+def test_one_drive_whose_inertia_does_not_change_has_no_velocity_terms_to_differ(tmp_path: Path) -> None:
+    """The knee of a parallelogram with its hip held: what is left of its velocity terms is rounding."""
+    file = tmp_path / "leg.urdf"
+    file.write_text(urdf_of_a_leg(0.2, {"knee": (0.5, 2.4), "motor": (-2.0, 3.0)}))
+    loop, held = (("rod_end", "arm_end"),), (Coupling("hip", None, (0.0,)),)
+    mechanism = Mechanism(file, ("motor",), ("knee",), loop, "toe", (("knee", 1.0),), ((0.6, 2.3),), held)
+    own = import_model(mechanism, Drives((1.0,), (0.01,), (0.0,), (20.0,)), tmp_path / "knee.toml")
+    checks = posture_checks(Subject.of(own, 8, 0, 1e-9), 0)
+    assert own.posture_dependent and {check.name for check in checks} >= {
+        "posture_coriolis",
+        "posture_motion",
+    }
+    assert not failures(checks)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "ankle"])

@@ -85,16 +85,19 @@ def deploy(
             echo(f"This run is not recorded: {alone.interface} serves one process at a time.", err=True)
     log = _new_log(Path(output), force) if output else None
     policy = None if bundle == "tracker" else read_bundle(bundle)
-    if not (dry_run or yes):
-        with waiting():
-            typer.confirm(f"This moves {', '.join(robot.axes)}. Is everybody clear?", abort=True, err=True)
+
+    def confirm() -> None:
+        if not (dry_run or yes):
+            with waiting():
+                typer.confirm(f"This moves {', '.join(robot.axes)}. Is everybody clear?", abort=True, err=True)
+
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
         raise InputError("a velocity is not a number", remedy="give three: --velocity 0.4 0 0")
     result = run(
         robot, policy, seconds, seed=seed, twist=velocity, unapproved=unapproved,
-        watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
-        network=_virtual(robot, seed, say) if dry_run else None, log=log,
+        watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say, confirm=confirm,
+        network=(lambda: _virtual(robot, seed, say)) if dry_run else None, log=log,
     )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]

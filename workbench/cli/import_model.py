@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -167,10 +167,11 @@ def import_mechanism(
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}.")
-    if lost := _without(names, contents.damping):
+    still = {*names, *(c.joint for c in made.closed_chain.couplings if not c.follows)}
+    if lost := _without(still, contents.damping):
         what = "springs, dry friction, and the damping of joints without a drive"
         echo(f"Not imported: {what}: {lost} N m s/rad.")
-    if lost := _without(names, contents.armature):
+    if lost := _without(still, contents.armature):
         echo(f"Not imported: the armature of joints without a drive: {lost} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
@@ -181,8 +182,8 @@ def import_mechanism(
     echo(f"Next: workbench check {output}")
 
 
-def _without(driven: Sequence[str], values: Mapping[str, float]) -> str:
-    """Joints that no motor drives, each with its value; empty where none has one."""
+def _without(driven: Collection[str], values: Mapping[str, float]) -> str:
+    """Joints that no motor drives and nothing holds, each with its value; empty where none has one."""
     return ", ".join(f"{name} {value:.3g}" for name, value in values.items() if value and name not in driven)
 
 
@@ -204,7 +205,7 @@ def _loop(asked: MechanismOptions, count: int) -> Controller:
     if asked.period is not None and not 0.0 < asked.period <= 1.0:
         raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
     kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
-    return Controller("pd", "joint" if where == "joint" else "actuator", kp=kp, kd=kd, period_s=asked.period)
+    return Controller("pd", where, kp=kp, kd=kd, period_s=asked.period)
 
 
 def _beside(made: Model, source: Path, output: str) -> list[Path]:

@@ -60,18 +60,23 @@ def parse_xml(
     return root
 
 
-def check_inside(name: str, folder: Path | None, file: Path | None, key: str) -> Path:
+def check_inside(
+    name: str, folder: Path | None, file: Path | None, key: str, within: Path | None = None
+) -> Path:
     """Return a file that another one names, which must lie beside or below that one.
 
     Args:
         name: as it is written there.
         folder: of the file that names it; None where it may name none.
         file, key: for the error.
+        within: a folder that it may lie in instead.
 
     Raises:
         InputError: it is absolute, goes up, or is a link that leads out.
     """
     remedy = "put it in the folder of the file that names it, or below, and name it relative to that folder"
+    if within is not None:
+        remedy = "put it in a folder beside or below that of the file, and name it relative to the file"
     if folder is None:
         raise InputError(f"names the file '{name}'", file=file, column=key, remedy="put its content in place")
     if "\0" in name or ":" in name or Path(name).is_absolute():
@@ -82,6 +87,6 @@ def check_inside(name: str, folder: Path | None, file: Path | None, key: str) ->
         target = (folder / name).resolve()
     except (OSError, RuntimeError) as error:
         raise InputError(f"'{name}' cannot be found", file=file, column=key, remedy=remedy) from error
-    if not target.is_relative_to(folder.resolve()):
+    if not target.is_relative_to((within or folder).resolve()):
         raise InputError(f"'{name}' is outside its folder", file=file, column=key, remedy=remedy)
     return target

@@ -66,7 +66,8 @@ def deploy(
     unapproved: bool = False,
     watchdogs_tested: bool = False,
     teleop: str = "",
-    network: SimulatedNetwork | None = None,
+    network: SimulatedNetwork | Callable[[], SimulatedNetwork] | None = None,
+    confirm: Callable[[], object] = lambda: None,
     log: Path | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
@@ -82,7 +83,8 @@ def deploy(
         unapproved: a person takes it upon themselves that the policy was not approved.
         watchdogs_tested: a person has seen every drive stop by itself.
         teleop: how to ask for other speeds while it runs: ``keys``, ``udp:PORT`` or nothing.
-        network: virtual motors of a dry run: no bus is touched.
+        network: virtual motors of a dry run, or what makes them: no bus is touched.
+        confirm: is called when all is in order that can be checked without a bus; asks a person.
         log: where its frames go, and beside them what was asked for; `record.from_run` makes a recording.
         cpu: processor to stay on.
         say: gets a status line now and then.
@@ -124,6 +126,9 @@ def deploy(
 
     for note in notes:
         say(note)
+    confirm()
+    if callable(network):
+        network = network()
     lacks: list[str] = []
     driver, frames = controller, None
     with ExitStack() as stack:

@@ -86,10 +86,21 @@ def free_joints(m: mujoco.MjModel) -> set[int]:
 
 
 def resting(m: mujoco.MjModel, joints: Sequence[int]) -> dict[str, float]:
-    """Joint -> its position in the file's first keyframe [rad or m]; empty without one."""
-    if not m.nkey:
-        return {}
-    return {m.joint(j).name: round(float(m.key_qpos[0, m.jnt_qposadr[j]]), 6) for j in joints}
+    """Joint -> where it is when a robot stands as its file says [rad or m].
+
+    That is the first keyframe. Without one, of joints that are not at zero, the file's own pose, or the
+    middle of the range where that pose is outside of it.
+    """
+    if m.nkey:
+        return {m.joint(j).name: round(float(m.key_qpos[0, m.jnt_qposadr[j]]), 6) for j in joints}
+    out = dict[str, float]()
+    for j in joints:
+        at, (low, high) = float(m.qpos0[m.jnt_qposadr[j]]), m.jnt_range[j]
+        if m.jnt_limited[j] and not low <= at <= high:
+            at = float(low + high) / 2.0
+        if at:
+            out[m.joint(j).name] = round(at, 6)
+    return out
 
 
 def motors_of(m: mujoco.MjModel, j: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Limits on MJCF files: bodies, but no plugin, and only files beside or below them are named."""
+"""Limits on MJCF files: no plugin; files beside or below them, meshes also in a folder beside theirs."""
 
 from __future__ import annotations
 
@@ -45,16 +45,18 @@ def check_mjcf(file: Path, within: frozenset[Path] = frozenset()) -> list[Path]:
         for node in roots[-1][1].iter("model"):
             child = check_inside(node.get("file", ""), folder, each, "file")
             read += check_mjcf(child, frozenset(seen))
-    folders = [folder]
+    # packages of robots have their meshes in a folder beside that of the file
+    folders, package = [folder], folder.resolve().parent
     for each, root in roots:
         for node in root.iter():
             _refuse_plugin(node, each)
-            folders += [check_inside(node.get(k, ""), folder, each, k) for k in _FOLDERS if node.get(k)]
+            named = {k: node.get(k, "") for k in _FOLDERS if node.get(k)}
+            folders += [check_inside(name, folder, each, k, package) for k, name in named.items()]
     for each, root in roots:
         for node in root.iter():
             for key, name in node.attrib.items():
                 if key.startswith("file") and node.tag not in ("include", "model"):
-                    read += _check_asset(name, key, folders, each)
+                    read += _check_asset(name, key, folders, each, package)
     return list(dict.fromkeys(read))
 
 
@@ -76,12 +78,12 @@ def _refuse_plugin(node: ElementTree.Element, file: Path | None) -> None:
         raise InputError("it has a plugin", file=file, column=node.tag, remedy="describe bodies alone")
 
 
-def _check_asset(name: str, key: str, folders: list[Path], file: Path) -> list[Path]:
+def _check_asset(name: str, key: str, folders: list[Path], file: Path, package: Path) -> list[Path]:
     """Return the files that may be meant; MuJoCo drops a path's folders if the file says so."""
     found = []
     for base in folders:
         for each in (name, Path(name).name):
-            check_inside(each, base, file, key)
+            check_inside(each, base, file, key, package)
             if not (base / each).is_file():
                 continue
             if (base / each).stat().st_size > _LARGEST:

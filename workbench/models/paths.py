@@ -46,8 +46,10 @@ def is_named_model(name: str) -> bool:
 def _shipped(given: Path) -> Path | None:
     """The shipped model of a name; None where there is none."""
     file = models_folder() / f"{given.stem}.toml"
-    named = given.suffix in ("", ".toml") and given.parent.name in ("", "models")
-    return file if named and file.is_file() else None
+    # a file of one's own that is not there yet must not turn into a shipped model of its name
+    name = not given.suffix and given.parent == Path()
+    shown = given.suffix in ("", ".toml") and given.parent.name == "models"
+    return file if (name or shown) and file.is_file() else None
 
 
 def is_packaged(name: str) -> bool:

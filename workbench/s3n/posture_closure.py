@@ -78,6 +78,22 @@ class LoopClosure:
         self._moving = moving_with(self._movers(), [*self.serial, *self.drives])
         self._closure = self._first(_start(model))
 
+    def moving(self) -> tuple[float, float]:
+        """Return how large what moves is [m]: the longest way between two points of a link; and its mass."""
+        m, way, mass = self.m, [0.0], 0.0
+        moves = {int(m.dof_bodyid[k]) for k in self._moving[1]}
+        for body in range(1, m.nbody):
+            if int(m.body_parentid[body]) in moves:
+                moves.add(body)
+                way.append(float(np.linalg.norm(m.body_pos[body])))
+            if body in moves:
+                mass += float(m.body_mass[body])
+        way += [
+            float(np.linalg.norm(m.site_pos[s])) for s in range(m.nsite) if int(m.site_bodyid[s]) in moves
+        ]
+        way += [float(np.linalg.norm(m.body_ipos[body])) for body in moves]
+        return max(way), mass
+
     def at(self, q: np.ndarray) -> Posture:
         """Return the closed posture at serial positions `q` (n,) [rad or m]; the tree is left there.
 

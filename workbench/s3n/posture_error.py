@@ -14,6 +14,7 @@ from .posture_closure import say
 
 _GRID = {1: 200, 2: 21, 3: 9}  # postures an angle, limits included
 _SPEED = 5.0  # rad/s or m/s, of the velocity terms
+_LEAST = 1e-3  # of inertia times speed squared: velocity terms that count as none
 _SEED = 5
 
 
@@ -69,7 +70,9 @@ def posture_error(
         say(chain.model, q[int(worst.argmax())]),
         float(np.abs(pull).max()),
         _share(pull, real.gravity),
-        _share(ours.bias - real.bias, real.bias),
+        _share(
+            ours.bias - real.bias, real.bias, _LEAST * float(np.abs(real.mass).max() * np.abs(v).max() ** 2)
+        ),
         astray,
         position,
     )
@@ -87,9 +90,9 @@ def relative_inertia(mass: np.ndarray, real: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(white @ (mass - real) @ white.transpose(0, 2, 1))
 
 
-def _share(off: np.ndarray, whole: np.ndarray) -> float:
-    """Return the root mean square of an error relative to that of the total."""
-    scale = float(np.sqrt(np.mean(whole**2)))
+def _share(off: np.ndarray, whole: np.ndarray, least: float = 0.0) -> float:
+    """Return the root mean square of an error relative to that of the total, or to `least` if larger."""
+    scale = max(float(np.sqrt(np.mean(whole**2))), least)
     return float(np.sqrt(np.mean(off**2))) / scale if scale > 0.0 else float(np.abs(off).max(initial=0.0))
 
 

@@ -23,7 +23,9 @@ _CANDIDATES = 800
 _SHORT = (
     0.25  # of its greatest length: a branch that gets shorter turns too fast to be trusted between postures
 )
-_FAR = 1e-5  # weight of points' distances [sizes] beside relative errors: nothing is far away for nothing
+_FAR = 1e-4  # weight of points' distances [sizes] beside relative errors: nothing is far away for nothing
+# of a candidate's share, by start: of many that would do the same, the choice must not hang on rounding
+_PRICES = 1e-3, 1e-2, 0.0
 _RATE = 0.2  # rad: weight of the gradient's slope beside the gradient, v^2 / a of a brisk motion
 _ROUNDS = 300
 
@@ -108,7 +110,7 @@ def fit_length(goal: Goal, branches: int, seed: int) -> tuple[Branches, float]:
     """
     scale = float(np.sqrt(np.mean(np.sum(_turned(goal.metric, goal.gradient) ** 2, axis=1))))
     problem = _Problem(replace(goal, metric=goal.metric / scale))
-    start = problem.choose(branches, np.random.default_rng(seed))
+    start = problem.choose(branches, seed)
     x = least_squares(
         lambda x: problem.at(x)[0],
         problem.pack(start),
@@ -129,8 +131,8 @@ class _Problem:
         self.goal, self.bodies = goal, np.empty((0, 2), int)
         self._known: tuple[bytes, np.ndarray, np.ndarray] | None = None
 
-    def choose(self, count: int, generator: np.random.Generator) -> Branches:
-        goal, f = self.goal, self.goal.frames
+    def choose(self, count: int, seed: int) -> Branches:
+        goal, f, generator = self.goal, self.goal.frames, np.random.default_rng(seed)
         pairs = np.array(list(combinations(range(len(f.bodies)), 2)))
         bodies = pairs[generator.integers(len(pairs), size=_CANDIDATES)]
         spread = goal.size * generator.choice([0.3, 1.0, 3.0], size=(_CANDIDATES, 1, 1))
@@ -139,7 +141,9 @@ class _Problem:
         distance, gradients = many.gradients(f)
         good = distance.min(axis=1) > 1.2 * _SHORT * distance.max(axis=1)
         columns = _turned(goal.metric, gradients[good]).reshape(good.sum(), -1).T
-        weights = strongest(columns, _turned(goal.metric, goal.gradient).ravel(), count)
+        weights = strongest(
+            columns, _turned(goal.metric, goal.gradient).ravel(), count, _PRICES[seed % len(_PRICES)]
+        )
         kept = np.flatnonzero(good)[weights > 0.0]
         self.bodies = bodies[kept]
         return Branches(bodies[kept], points[kept], weights[weights > 0.0])
@@ -202,15 +206,21 @@ def _gaps(distance: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return out, slopes.reshape(count, -1)
 
 
-def strongest(columns: np.ndarray, wanted: np.ndarray, count: int | None = None) -> np.ndarray:
+def strongest(
+    columns: np.ndarray, wanted: np.ndarray, count: int | None = None, price: float = 0.0
+) -> np.ndarray:
     """Return nonnegative weights (K,) for which ``columns @ weights`` is nearest to `wanted`.
 
     With `count` at most so many are not zero: the weakest go, some at a time, and the rest are found anew.
+    The `price` of a weight, in the scale of its column, makes them unique where several sets would do.
     """
     size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     kept = np.arange(columns.shape[1])
     while True:
-        weights = nnls(columns[:, kept] / size[kept], wanted, maxiter=100 * len(kept))[0]
+        priced = np.concatenate([columns[:, kept] / size[kept], price * np.eye(len(kept))])
+        rows = priced if price else priced[: len(wanted)]
+        padded = np.concatenate([wanted, np.zeros(len(rows) - len(wanted))])
+        weights = nnls(rows, padded, maxiter=100 * len(kept))[0]
         kept, weights = kept[weights > 0.0], weights[weights > 0.0]
         over = 0 if count is None else len(kept) - count
         if over <= 0:

@@ -5,6 +5,11 @@ point masses on the links (any density is a sum of them), more rotor inertia on 
 its drive), rotor inertia on combinations of joints, and springs whose torque depends on one drive or joint,
 for weight that hangs on a crank. All of them enter linearly and no inertia may be negative, so that the best
 choice is one nonnegative least-squares problem, and a body with these masses can be built.
+
+Motion does not tell all of it: a mass at a joint that only turns is not felt, and rotors can stand for links.
+What it does not tell stays as the file has it: each link of the file is a choice too, and what moves masses,
+centres and inertias away from it, or puts inertia on rotors, has a small price. With these the choice is
+one: the same mechanism from another file, or one that differs by rounding, gives the same links.
 """
 
 from __future__ import annotations
@@ -20,7 +25,8 @@ _POINTS, _ROTORS = 120, 60  # to choose from: a link, and in all
 _DEGREE = 3  # of a spring's torque
 _SPRINGS = 1e-3  # price of a spring's torque: a link carries the weight where one can
 _TOTAL = 0.02  # weight of the sum of the masses
-_THICK = 0.05  # of the mechanism's size: extent of a link out of the plane that it moves in
+_FILE = 0.01  # price of a link's way from the file's, relative to mass and size of all that moves
+_ROTOR = 0.01  # price of rotor inertia, relative to what it adds to the whole
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,16 @@ class Body:
     mass: float
     centre: np.ndarray
     inertia: np.ndarray
+
+    @property
+    def moments(self) -> np.ndarray:
+        """Mass, and its first and second moments about the frame's origin, as a matrix (4, 4)."""
+        second = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
+        out = np.empty((4, 4))
+        out[:3, :3] = second + self.mass * np.outer(self.centre, self.centre)
+        out[:3, 3] = out[3, :3] = self.mass * self.centre
+        out[3, 3] = self.mass
+        return out
 
 
 @dataclass(frozen=True)
@@ -60,9 +76,11 @@ class Wanted:
         gravity: torque of the weights (N, n) [N m].
         down: gravity (3,) [m/s^2].
         drives: gradients of the drives' tendons (n, N, n).
+        links: as the file has them, length B - 1.
+        feels: inertia (B - 1, N, n, n) and `hangs`, weight (B - 1, N, n), that each of these adds.
         coordinates: of the springs (S, N), and `along`, their gradients (S, N, n).
-        total: mass of all links [kg].
-        size: of the mechanism [m].
+        total: mass of all that moves [kg].
+        size: of what moves [m].
     """
 
     frames: Frames
@@ -71,6 +89,9 @@ class Wanted:
     gravity: np.ndarray
     down: np.ndarray
     drives: np.ndarray
+    links: tuple[Body, ...]
+    feels: np.ndarray
+    hangs: np.ndarray
     coordinates: np.ndarray
     along: np.ndarray
     total: float
@@ -81,12 +102,13 @@ def carry(wanted: Wanted) -> Carried:
     """Return the bodies, rotors and springs that come nearest to the wanted inertia and weight."""
     w, f = wanted, wanted.frames
     generator = np.random.default_rng(3)
-    n, links = w.mass.shape[1], range(1, len(f.bodies))
-    bodies = np.repeat(links, _POINTS)
+    n, count = w.mass.shape[1], len(w.links)
+    bodies = np.repeat(np.arange(count), _POINTS)
     points = w.size * generator.standard_normal((len(bodies), f.ways))
-    _, jacobian = f.place(bodies, points)
+    _, jacobian = f.place(bodies + 1, points)
     rows = np.concatenate([np.eye(n), generator.standard_normal((_ROTORS, n))])
     squares = [
+        w.feels,
         np.einsum("pndi,pndj->pnij", jacobian, jacobian),
         np.repeat((rows[:, :, None] * rows[:, None, :])[:, None], len(w.mass), axis=1),
         w.drives[..., :, None] * w.drives[..., None, :],
@@ -98,40 +120,68 @@ def carry(wanted: Wanted) -> Carried:
     terms = terms.reshape(-1, *w.gravity.shape)
     inertia = np.concatenate([*squares, np.zeros((2 * len(terms), *w.mass.shape))])
     pull = np.zeros((len(inertia), *w.gravity.shape))
-    pull[: len(bodies)] = np.einsum("d,pndi->pni", w.down, jacobian)
+    pull[:count] = w.hangs
+    pull[count : count + len(bodies)] = np.einsum("d,pndi->pni", w.down, jacobian)
     pull[-2 * len(terms) :] = np.concatenate([terms, -terms])
-    sizes = [len(bodies), len(rows), len(w.drives), 2 * len(terms)]
-    found = strongest(_columns(w, inertia, pull, sizes).T, _goal(w, sizes))
-    masses, rotors, drives, springs = np.split(found, np.cumsum(sizes)[:-1])
+    moments = np.array(
+        [each.moments for each in w.links]
+        + [_moments(f.basis[k + 1] @ point) for k, point in zip(bodies, points, strict=True)]
+    )
+    sizes = [count, len(bodies), len(rows) + len(w.drives), 2 * len(terms)]
+    columns, goal = _problem(w, inertia, pull, sizes)
+    own, towards = _towards_the_file(w, np.concatenate([np.arange(count), bodies]), moments)
+    columns = np.concatenate([columns, np.pad(own, ((0, len(columns) - len(own)), (0, 0)))], axis=1)
+    found = strongest(columns.T, np.concatenate([goal, towards]))
+    shares, masses, turning, springs = np.split(found, np.cumsum(sizes)[:-1])
+    rotors, drives = turning[: len(rows)], turning[len(rows) :]
     signed = (springs[: len(terms)] - springs[len(terms) :]).reshape(len(w.coordinates), -1)
+    weights = np.concatenate([np.diag(shares), [masses * (bodies == k) for k in range(count)]], axis=1)
     return Carried(
-        tuple(_body(w, k, masses[bodies == k], points[bodies == k]) for k in links),
+        tuple(_body(w, each) for each in np.einsum("kp,pij->kij", weights, moments)),
         np.einsum("r,ri,rj->ij", rotors, rows, rows),
         drives,
         np.array([_unscaled(c, m, h) for c, m, h in zip(signed, middle, half, strict=True)]),
     )
 
 
-def _columns(w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int]) -> np.ndarray:
-    """Return what one unit of each choice changes (K, R): inertia, weight, total mass, its penalty."""
+def _problem(
+    w: Wanted, inertia: np.ndarray, pull: np.ndarray, sizes: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what one unit of each choice changes (K, R): inertia, weight, mass, price; and the goal (R,)."""
     white = np.linalg.inv(np.linalg.cholesky(w.whole))
-    share = 1.0 / np.sqrt(len(w.mass))
+    share, count = 1.0 / np.sqrt(len(w.mass)), len(w.links)
     turned = share * (white @ inertia @ white.transpose(0, 2, 1)).reshape(len(inertia), -1)
     weight = share * pull.reshape(len(pull), -1) / _scale(w)
     mass = np.zeros((len(inertia), 1))
-    mass[: sizes[0]] = _TOTAL / max(w.total, 1e-9)
-    price = np.zeros((len(inertia), sizes[3]))
-    price[-sizes[3] :] = _SPRINGS / _scale(w) * np.eye(sizes[3])
-    return np.concatenate([turned, weight, mass, price], axis=1)
+    total = _TOTAL / max(w.total, 1e-9)
+    mass[:count, 0], mass[count : count + sizes[1]] = [total * each.mass for each in w.links], total
+    price = np.zeros(len(inertia))
+    turning = slice(count + sizes[1], count + sizes[1] + sizes[2])
+    price[turning] = _ROTOR * np.linalg.norm(turned[turning], axis=1)
+    price[turning.stop :] = _SPRINGS / _scale(w)
+    paid = np.diag(price)[:, count + sizes[1] :]
+    wished = share * (white @ w.mass @ white.transpose(0, 2, 1)).ravel()
+    goal = [wished, share * w.gravity.ravel() / _scale(w), [_TOTAL if w.total > 0.0 else 0.0]]
+    return np.concatenate([turned, weight, mass, paid], axis=1), np.concatenate(
+        [*goal, np.zeros(paid.shape[1])]
+    )
 
 
-def _goal(w: Wanted, sizes: list[int]) -> np.ndarray:
-    """Return what the choices have to add up to (R,)."""
-    white = np.linalg.inv(np.linalg.cholesky(w.whole))
-    share = 1.0 / np.sqrt(len(w.mass))
-    turned = share * (white @ w.mass @ white.transpose(0, 2, 1)).ravel()
-    weight = share * w.gravity.ravel() / _scale(w)
-    return np.concatenate([turned, weight, [_TOTAL if w.total > 0.0 else 0.0], np.zeros(sizes[3])])
+def _towards_the_file(w: Wanted, bodies: np.ndarray, moments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return moments of a unit of each choice on its link (P, R) and those of the file's links (R,), priced.
+
+    Args:
+        w: what is wanted.
+        bodies: which link each choice is of (P,).
+        moments: of one unit (P, 4, 4).
+    """
+    one = np.append(np.full(3, 1.0 / w.size), 1.0)
+    scale = _FILE / max(w.total, 1e-9) * np.outer(one, one)
+    upper = np.triu_indices(4)
+    rows = (moments * scale)[:, *upper]
+    out = np.zeros((len(bodies), len(w.links), rows.shape[1]))
+    out[np.arange(len(bodies)), bodies] = rows
+    return out.reshape(len(bodies), -1), rows[: len(w.links)].ravel()
 
 
 def _scale(w: Wanted) -> float:
@@ -154,22 +204,16 @@ def _unscaled(coefficients: np.ndarray, middle: float, half: float) -> np.ndarra
     return out
 
 
-def _body(w: Wanted, number: int, masses: np.ndarray, points: np.ndarray) -> Body:
-    """Return point masses as one body that MuJoCo accepts: thick enough that no inertia is zero."""
-    mass = float(masses.sum())
-    least = 1e-3 * max(w.total, 1e-6)
-    if mass < least:
-        masses, points = (
-            np.append(masses, least - mass),
-            np.concatenate([points, np.zeros((1, w.frames.ways))]),
-        )
-        mass = least
-    places = points @ w.frames.basis[number].T
-    centre = masses @ places / mass
-    arm = places - centre
-    inertia = np.einsum("p,pij->ij", masses, np.einsum("pk,pk->p", arm, arm)[:, None, None] * np.eye(3))
-    inertia -= np.einsum("p,pi,pj->ij", masses, arm, arm)
-    if w.frames.plane:
-        basis = w.frames.basis[number]
-        inertia += mass * (_THICK * w.size) ** 2 * basis @ basis.T  # about both directions in the plane
-    return Body(mass, centre, inertia + 1e-6 * mass * w.size**2 * np.eye(3))
+def _moments(point: np.ndarray) -> np.ndarray:
+    """Return the moments (4, 4) of one kilogram at a point (3,)."""
+    at = np.append(point, 1.0)
+    return np.outer(at, at)
+
+
+def _body(w: Wanted, moments: np.ndarray) -> Body:
+    """Return the body with these moments (4, 4), with so much more that MuJoCo accepts it."""
+    mass, least = float(moments[3, 3]), 1e-3 * max(w.total, 1e-6)
+    centre = moments[:3, 3] / max(mass, least)
+    second = moments[:3, :3] - max(mass, least) * np.outer(centre, centre)
+    inertia = np.trace(second) * np.eye(3) - second
+    return Body(max(mass, least), centre, inertia + 1e-6 * max(mass, least) * w.size**2 * np.eye(3))

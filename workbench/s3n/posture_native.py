@@ -13,14 +13,14 @@ from functools import reduce
 import mujoco
 import numpy as np
 
-from workbench.models import Model, load_mjcf
+from workbench.models import Inertial, Model, load_mjcf
 
 from .dynamics import compiled_dynamics
 from .posture import PostureDependent
 from .posture_closure import LoopClosure
 from .posture_frames import Frames, frames
 from .posture_length import Branches, Goal, fit_length
-from .posture_links import Carried, Wanted, carry
+from .posture_links import Body, Carried, Wanted, carry
 
 _NODES = {1: 40, 2: 12, 3: 7}  # postures an angle that are fitted
 CONSTANT = 1e-9  # largest change of a row of J that counts as none
@@ -62,7 +62,7 @@ def fit(chain: PostureDependent, branches: int = 8) -> Fit:
     m = load_mjcf(model.serial).compile()
     f, real = frames(m, model, q), chain.dynamics(q)
     closure = LoopClosure(model)
-    size = float(np.abs(closure.m.site_pos).max() + np.abs(closure.m.body_pos).max())
+    size, total = closure.moving()
     metric = np.linalg.inv(np.linalg.cholesky(real.mass))
     tendons = tuple(
         None
@@ -82,14 +82,14 @@ def fit(chain: PostureDependent, branches: int = 8) -> Fit:
         for kind, k in springs
     ]
     coordinates = [lengths[k] if kind == "drive" else q[:, k] for kind, k in springs]
-    mass, gravity = _beside_the_links(m, model, f, q)
+    links = tuple(_link(m, name) for name in f.bodies[1:])
+    feels, hangs = _by_link(m, f, links)
+    mass, gravity = _beside_the_links(m, model, f, q, feels, hangs)
     rotors = np.einsum("ani,a,anj->nij", gradients, chain.inertia, gradients)
-    others = m.body_mass.sum() - sum(m.body(name).mass[0] for name in f.bodies[1:])
     carried = carry(
         Wanted(
             f, real.mass - mass - rotors, real.mass, real.gravity - gravity, m.opt.gravity.copy(), gradients,
-            np.array(coordinates), np.array(along),
-            float(closure.m.body_mass.sum() - others) + chain.added.mass, size,
+            links, feels, hangs, np.array(coordinates), np.array(along), total + chain.added.mass, size,
         )
     )  # fmt: skip
     offsets = (lengths - real.drives.T).mean(axis=1)
@@ -137,8 +137,24 @@ def _slope(x: np.ndarray) -> np.ndarray:
     return out - np.diag(out.sum(axis=1))
 
 
+def _link(m: mujoco.MjModel, name: str) -> Body:
+    own = Inertial.of(m, m.body(name).id)
+    return Body(own.mass, own.centre, own.tensor)
+
+
+def _by_link(m: mujoco.MjModel, f: Frames, links: tuple[Body, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return inertia (B - 1, N, n, n) and weight (B - 1, N, n) of each body that carries a joint."""
+    feels, hangs = [], []
+    for k, link in enumerate(links, 1):
+        linear = _centre_jacobian(f, k, link.centre)
+        about = f.rotation[k].transpose(0, 2, 1) @ link.inertia @ f.rotation[k]
+        feels.append(about + link.mass * linear.transpose(0, 2, 1) @ linear)
+        hangs.append(link.mass * np.einsum("d,ndi->ni", m.opt.gravity, linear))
+    return np.array(feels), np.array(hangs)
+
+
 def _beside_the_links(
-    m: mujoco.MjModel, model: Model, f: Frames, q: np.ndarray
+    m: mujoco.MjModel, model: Model, f: Frames, q: np.ndarray, feels: np.ndarray, hangs: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return inertia (N, n, n) and weight (N, n) of the parts that the fit does not change.
 
@@ -146,18 +162,8 @@ def _beside_the_links(
     bodies fixed to the links.
     """
     whole = compiled_dynamics(m, model.joints, q, np.zeros_like(q))
-    mass, gravity = whole.mass, whole.gravity
-    for k, name in enumerate(f.bodies[1:], 1):
-        body = m.body(name)
-        turn = np.empty(9)
-        mujoco.mju_quat2Mat(turn, body.iquat)
-        turning = turn.reshape(3, 3).T @ f.rotation[k]
-        about = turning.transpose(0, 2, 1) @ (body.inertia[:, None] * turning)
-        linear = _centre_jacobian(f, k, body.ipos)
-        mass = mass - about - body.mass[0] * linear.transpose(0, 2, 1) @ linear
-        pull = np.einsum("d,ndi->ni", m.opt.gravity, linear)
-        gravity = gravity - (1.0 - m.body_gravcomp[body.id]) * body.mass[0] * pull
-    return mass, gravity
+    carried = 1.0 - np.array([m.body_gravcomp[m.body(name).id] for name in f.bodies[1:]])
+    return whole.mass - feels.sum(axis=0), whole.gravity - np.einsum("b,bni->ni", carried, hangs)
 
 
 def _centre_jacobian(f: Frames, body: int, centre: np.ndarray) -> np.ndarray:

@@ -35,9 +35,7 @@ def initial_state(
         j: (n, n), q_p = J q_s.
     """
     back = np.linalg.inv(j)
-    rows = int(np.clip(0.02 / recording.period, 8, len(recording) // 2))
-    t, q = recording.time[:rows] - recording.time[0], recording.position[:rows]
-    noise = np.maximum(position_levels(recording)[1], _NONE)
+    t, q, noise = _first_rows(recording)
     moving, *others = _polynomials(t, q, noise)
     held = reference is not None and controller.kind not in ("none", "unknown")
     if reference is None or not (held and recording.timing.initial_at_rest):
@@ -48,6 +46,20 @@ def initial_state(
     if (np.abs(first - rest) > _CLEARLY * doubt).any():
         return first @ (back @ to_actuator).T
     return np.stack([stated, np.zeros_like(stated)])
+
+
+def doubt_of_start(recording: Recording) -> np.ndarray:
+    """Return how far off a first position and rate may be that the first rows tell, (2, n), one deviation."""
+    t, q, noise = _first_rows(recording)
+    moving, *_ = _polynomials(t, q, noise)
+    return moving.spread[:, None] * np.maximum(moving.scatter, noise)
+
+
+def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times (R,) and positions (R, n) of the first rows, and the noise of these (n,)."""
+    rows = int(np.clip(0.02 / recording.period, 8, len(recording) // 2))
+    noise = np.maximum(position_levels(recording)[1], _NONE)
+    return recording.time[:rows] - recording.time[0], recording.position[:rows], noise
 
 
 def _where_it_may_rest(

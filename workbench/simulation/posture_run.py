@@ -23,6 +23,7 @@ from workbench.s3n.posture import BEYOND
 from .control import SensorNoise
 from .experiment import Experiment, prepare, whole_and_part
 from .initial_state import initial_state
+from .posture_start import refined
 from .posture_step import advance, asked, shown
 
 _FASTEST = 1e4  # rad/s
@@ -97,11 +98,27 @@ def run_posture(
         InputError: a recording in joint coordinates, or a cascade.
         SimulationError: the mechanism leaves its workspace, or runs away.
     """
-    e, count = prepare(recording, plant.model), len(noise)
+    e = prepare(recording, plant.model)
     _refuse(e, recording)
+    start = _start(plant, e)
+    if start[1].any():  # logged in the middle of a motion
+        start = refined(
+            start, recording, lambda starts: _run(plant, e, starts, [None] * len(starts), late)[0]
+        )
+    logged = _run(plant, e, np.tile(start, (len(noise), 1, 1)), noise, late)
+    names = ("position", "velocity", "torque_command", "torque_measured")
+    return [recording.with_signals(**dict(zip(names, each, strict=True))) for each in logged.swapaxes(0, 1)]
+
+
+def _run(
+    plant: PosturePlant, e: Experiment, starts: np.ndarray, noise: Sequence[SensorNoise | None], late: float
+) -> np.ndarray:
+    """Return positions, speeds, commands and torques (4, B, N, n) of runs from starts (B, 2, n) of drives."""
+    recording, count = e.recording, len(noise)
     rows, n = recording.position.shape
     sensors = _Sensors(noise, recording)
-    q, v = (np.tile(x, (count, 1)) for x in _start(plant, e))
+    q = plant.map.joints(starts[:, 0])
+    v = plant.map.joint_speed(q, starts[:, 1])
     pieces = max(1, round(e.step / _PIECE))
     h, last = e.step / pieces, np.zeros_like(q)
     whole, share = whole_and_part((e.delay(plant.model.actuators.delay_s, plant.model) + late) / h)
@@ -122,8 +139,7 @@ def run_posture(
             plant.advance(q, v, last, np.array(acting), h)
         if not np.abs(v).max() < _FASTEST:
             raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
-    names = ("position", "velocity", "torque_command", "torque_measured")
-    return [recording.with_signals(**dict(zip(names, logged[:, b], strict=True))) for b in range(count)]
+    return logged
 
 
 class _Sensors:
@@ -197,14 +213,11 @@ def _asked(
     return asked(*plant.polynomials, NEWTON, THERE, np.stack([kp, kd]), goal, q, w, near) + e.feedforward[row]
 
 
-def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
-    """Joint positions and speeds (n,) as the run begins."""
+def _start(plant: PosturePlant, e: Experiment) -> np.ndarray:
+    """Positions and speeds of the drives (2, n) as the first rows show them."""
     n, reference = plant.model.size, e.reference
     if e.controller.coordinates == "joint":
         reference = plant.map.drives(reference[:1])
     told = None if e.recording.get("position_reference") is None else reference
-    drives, speeds = initial_state(
-        e.recording, replace(e.controller, coordinates="actuator"), told, np.eye(n), np.eye(n)
-    )
-    joints = plant.map.joints(drives)
-    return joints, plant.map.joint_speed(joints, speeds)
+    stated = replace(e.controller, coordinates="actuator")
+    return initial_state(e.recording, stated, told, np.eye(n), np.eye(n))
