@@ -89,7 +89,9 @@ def deploy(
     def confirm() -> None:
         if not (dry_run or yes):
             with waiting():
-                typer.confirm(f"This moves {', '.join(robot.axes)}. Is everybody clear?", abort=True, err=True)
+                typer.confirm(
+                    f"This moves {', '.join(robot.axes)}. Is everybody clear?", abort=True, err=True
+                )
 
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):

@@ -74,7 +74,10 @@ def _told(found: _Apart, which: int, names: Sequence[str]) -> Disagreement:
     name = parameters.linear_of(entry.shape)[which].name
     told = [parameters.to_values(sizes, entry.shape) for sizes in found.sizes]
     # an unknown of a chart that is no parameter stands for itself
-    values = [float(own.get(name, sizes[which])) for own, sizes in zip(told, found.sizes, strict=True)]
+    values = [
+        float(own[name] if name in own else sizes[which])
+        for own, sizes in zip(told, found.sizes, strict=True)
+    ]
     several = name if len(entry.linear) > 1 else ""
     return Disagreement(tuple(names[: len(values)]), entry.key, tuple(values), several)
 
