@@ -253,4 +253,4 @@ def test_a_payload_off_its_site_is_told_by_its_mass() -> None:
     mass = {"mass": Estimate(2.95, 0.03, "kg")}
     assert sized_phrase(key, mass) == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool'"
     off = sized_phrase(key, {**mass, "moment_x": Estimate(0.1, 0.01, "kg*m")})
-    assert off == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool', with its centre elsewhere"
+    assert off == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool' (its centre is elsewhere)"

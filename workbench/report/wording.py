@@ -75,7 +75,7 @@ def _thing(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
     if not parameters:
         return effect_phrase(key)
     size = single_value(dict(list(parameters.items())[:1])).removeprefix(", ")
-    off = ", with its centre elsewhere" if len(parameters) > 1 else ""
+    off = " (its centre is elsewhere)" if len(parameters) > 1 else ""
     return f"{_THINGS[key.effect]} of {size} {place(key)}{off}"
 
 
