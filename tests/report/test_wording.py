@@ -231,6 +231,7 @@ def test_what_explains_most_is_told_first_and_what_is_not_sure_says_so(diagnosis
         model_value=0.6,
         total=Estimate(0.9, 0.1, "N*m*s/rad"),
         probability=0.12,
+        indistinguishable_from=(),
     )
     told = sentence(replace(diagnosis, findings=(missing, wrong)))
     assert told.startswith("Something is missing: Coulomb friction on the knee drive")
