@@ -72,8 +72,8 @@ def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, l
 
 
 def expected(time: str, position: str, velocity: str) -> float:
-    """Return velocity divided by derivative of position in these units."""
-    return scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity"))
+    """Return the size of velocity divided by derivative of position in these units."""
+    return abs(scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity")))
 
 
 def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
