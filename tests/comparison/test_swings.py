@@ -34,6 +34,17 @@ def test_free_is_what_no_torque_drives() -> None:
     assert not is_free(replace(quiet, controller=Controller("pd", "joint", (1.0,), (0.1,))))
 
 
+def test_a_swing_of_an_unknown_controller_says_how_to_state_that_nothing_drives_it(tmp_path: Path) -> None:
+    swinging, hanging = (
+        replace(recorded(x), controller=Controller()) for x in (swing(0.5, duration=3.0), np.zeros(2000))
+    )
+    with pytest.raises(
+        InputError, match=r'torque_command is zero in every row.*kind = "none" in .controller.'
+    ):
+        compare(pendulum(tmp_path), [swinging])
+    assert np.isnan(compare(pendulum(tmp_path), [hanging]).error)
+
+
 def test_swings_begin_a_period_apart_where_motion_is_fastest() -> None:
     recording = recorded(swing(0.3, duration=10.0))
     rows, half = starts(recording)

@@ -25,6 +25,7 @@ from workbench.core.units import is_unit, to_si
         ("kg*m**2/s**2", "torque", 1.0, "N*m"),
         ("kgf", "force", 9.80665, "N"),
         ("ms", "time", 1e-3, "s"),
+        ("-8.7*N*m", "torque", -8.7, "N*m"),
     ],
 )
 def test_what_people_write(unit: str, kind: str, scale: float, si: str) -> None:
@@ -43,7 +44,8 @@ def test_a_temperature_has_an_offset() -> None:
         # pint holds an angle to be a bare number, so that all of these have the dimension of one
         ("count", "position"), ("%", "position"), ("", "position"), ("rad**2", "position"),
         ("Hz", "velocity"), ("1/s", "velocity"), ("N*m/rad", "torque"), ("m/rad", "position"),
-        ("s", "position"), ("kg", "torque"), ("furlongs_per", "velocity"),
+        ("s", "position"), ("kg", "torque"), ("-1*s", "time"), ("0*N*m", "torque"),
+        ("furlongs_per", "velocity"),
     ],
 )  # fmt: skip
 def test_what_is_no_unit_of_the_kind(unit: str, kind: str) -> None:

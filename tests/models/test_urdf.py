@@ -76,6 +76,9 @@ def test_a_model_file_may_name_a_urdf(tmp_path: Path) -> None:
     [
         (_ARM.replace("robot", "sdf"), "a URDF is a <robot>"),
         (_ARM.replace('value="2.0"', 'value="${mass}"'), "xacro"),
+        (_ARM.replace('value="2.0"', 'value="${mass}"'), "'\\$\\{mass}' in link 'upper'"),
+        (_ARM.replace('<link name="base"/>', '<link name="base"/><xacro:foot/>'), "<xacro:foot>"),
+        (_ARM.replace('ixx="0.02"', 'ixx="0.2"'), 'balanceinertia="true"/> in <mujoco>'),
         (_ARM.replace("<robot", "<!DOCTYPE x><robot"), "document type"),
         (_ARM.replace('type="revolute"', 'type="floating"'), "floats inside of another"),
         (_ARM.replace('<mass value="1.0"/>', '<mass value="-1.0"/>'), "MuJoCo cannot"),
@@ -86,6 +89,20 @@ def test_what_is_no_urdf_of_an_arm_is_refused_in_one_line(text: str, told: str, 
     with pytest.raises(InputError, match=told) as error:
         load_model(_written(tmp_path, text))
     assert "\n" not in str(error.value)
+
+
+def test_macros_in_what_is_not_read_do_no_harm(tmp_path: Path) -> None:
+    left = "<!-- <xacro:foot mass='${mass}'/>\n -->"
+    text = _ARM.replace("</robot>", f'{left}<gazebo reference="${{name}}_link"/></robot>')
+    text = text.replace("<visual><geometry>", '<visual name="${name}"><geometry>')
+    assert load_model(_written(tmp_path, text)).axes == ("shoulder", "elbow")
+
+
+def test_a_urdf_may_ask_mujoco_to_mend_its_inertias(tmp_path: Path) -> None:
+    wrong = _ARM.replace('ixx="0.02"', 'ixx="0.2"')
+    asked = '<mujoco><compiler meshdir="m" balanceinertia="true"/></mujoco></robot>'
+    plant = compile_plant(load_model(_written(tmp_path, wrong.replace("</robot>", asked))))
+    assert np.allclose(np.ptp(plant.mujoco.body_inertia[-3:-1], axis=1), 0.0)
 
 
 def test_its_joints_friction_is_dry_friction(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ def with_model(found: Inspection, model: str, recording: Recording) -> Inspectio
     Raises:
         InputError: the model cannot be read.
     """
-    from workbench.comparison import shifted_axes, swapped_axes, turned_axes
+    from workbench.comparison import reversed_torques, shifted_axes, swapped_axes, turned_axes
     from workbench.effects import load_model
 
     loaded = load_model(model)
@@ -30,6 +30,10 @@ def with_model(found: Inspection, model: str, recording: Recording) -> Inspectio
         elif shifted := shifted_axes(loaded, [recording]):
             text = f"Positions are measured from a different zero than in the model: {shifted}."
             problem = Remark("problem", "zero", next(iter(shifted.by)), text, {"offset": shifted.by})
+        elif wrong := reversed_torques(loaded, [recording]):
+            told = {"axes": list(wrong.axes), "signal": wrong.signal, "whole": wrong.whole}
+            problem = Remark("problem", "sign", wrong.axes[0], f"{wrong}.", told)
+            one = replace(one, remarks=tuple(r for r in one.remarks if r.topic != "sign"))
         else:
             return found
         return replace(found, recordings=(replace(one, remarks=(*one.remarks, problem)), *rest))

@@ -50,9 +50,8 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
     """Return how to correct one problem."""
     column = _column(remark, description)
     if remark.topic == "sign":
-        return (
-            f"negate the columns with the wrong sign, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
-        )
+        which = "every torque column" if remark.value.get("whole") else "the columns with the wrong sign"
+        return f"negate {which}, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
     if remark.topic == "swap":
         return "exchange the swapped names in [columns], or give --column with --force"
     if remark.topic == "zero":

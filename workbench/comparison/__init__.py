@@ -10,6 +10,7 @@ from .matching import matched, matched_ways
 from .noise import NoiseModel
 from .replay import Replay
 from .replay_of import replay_of
+from .reversed import reversed_torques
 from .score import Scale, normalised, score_runs, scored_signals
 from .shifted import shifted_axes
 from .signs import Turn, Turned, turned_axes
@@ -39,6 +40,7 @@ __all__ = [
     "noise_rules",
     "normalised",
     "replay_of",
+    "reversed_torques",
     "score_runs",
     "scored_signals",
     "shifted_axes",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from workbench.core import InputError, Recording
 from workbench.models import Model
 from workbench.simulation import prepare, refuse_joint_coordinates, scored_torque
@@ -21,6 +23,7 @@ from .swings import FreeDecay, is_free
 
 _CARRIED = "The transmission changes with the posture"
 _NAME = "name the column of the torque"
+_MOVES = 20.0  # times a position's noise, over which it ranges where an axis moves
 
 
 def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
@@ -31,7 +34,7 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     swing.
 
     Raises:
-        InputError: a loop is unknown and no torque was recorded.
+        InputError: a loop is unknown and no torque was recorded, or none but zeros although axes move.
     """
     noise = noise or NoiseModel.of(recordings)
     if model.posture_dependent:
@@ -51,13 +54,32 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     _refuse_blind(
         recordings, "neither the loop nor a torque is known", f"describe the controller, or {_NAME}"
     )
+<<<<<<< HEAD
     return InverseDynamicsReplay(followed([_with_stated(model, r) for r in recordings]), noise, model)
+=======
+    _refuse_undriven(model, recordings, noise)
+    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
+>>>>>>> imports
 
 
 def _refuse_blind(recordings: Sequence[Recording], why: str, remedy: str) -> None:
     blind = next((r for r in recordings if scored_torque(r) is None), None)
     if blind is not None:
         raise InputError(why, file=blind.source, column="controller", remedy=remedy)
+
+
+def _refuse_undriven(model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> None:
+    """Refuse a motion of an unknown loop whose torque stays zero: it could be compared with nothing else."""
+    for r in recordings:
+        name = scored_torque(r)
+        if name is None or not needs_inverse(model, r) or r.signals[name][r.valid].any():
+            continue
+        if np.any(np.ptp(r.position[r.valid], axis=0) > _MOVES * np.nan_to_num(noise.levels.position_std)):
+            raise InputError(
+                f"axes move although {name} is zero in every row, and the controller is not known",
+                file=r.source, column="controller",
+                remedy=f'if nothing drives the machine, state kind = "none" in [controller]; else {_NAME}',
+            )  # fmt: skip
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:

@@ -26,7 +26,7 @@ KINDS: dict[str, tuple[str, ...]] = {
 _LARGEST = 1e12
 _LONGEST = 60  # characters; pint takes a minute for 100,000
 # pint works out powers of numbers, however large: only those of names go to it
-_TIMES = re.compile(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*\*\s*(?=\D)")
+_TIMES = re.compile(r"\s*(-?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+))\s*\*\s*(?=\D)")
 _POWER = re.compile(r"\*\*|\^|[⁰¹²³⁴⁵⁶⁷⁸⁹]")
 _POWER_OF_NAME = re.compile(r"(?<=[^\W\d])\s*(?:(?:\*\*|\^)\s*\(?[-+]?\d\)?(?!\d)|⁻?[¹²³⁴])")
 
@@ -44,7 +44,8 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     """Return scale and offset that convert a number in `unit` to SI for a signal kind.
 
     Args:
-        unit: any unit pint can parse, e.g. ``"deg"``, ``"mm"``, ``"degC"``; a number of it as ``"0.1*deg"``.
+        unit: any unit pint can parse, e.g. ``"deg"``, ``"mm"``, ``"degC"``; a number of it as
+            ``"0.1*deg"``, which of all but time may be negative: what is counted the other way.
         kind: one of `KINDS`.
 
     Returns:
@@ -55,7 +56,8 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     """
     if (product := unit.replace(" ", "*")) in KINDS[kind]:
         return 1.0, 0.0, product
-    if (times := _TIMES.match(unit)) and 0.0 < (number := float(times[1])) <= _LARGEST:
+    least = 0.0 if kind == "time" else -_LARGEST
+    if (times := _TIMES.match(unit)) and least <= (number := float(times[1])) <= _LARGEST and number:
         scale, offset, si = to_si(unit[times.end() :], kind)
         return number * scale, offset, si
     if len(unit) > _LONGEST or _POWER.search(_POWER_OF_NAME.sub("", unit)):

@@ -21,6 +21,7 @@ _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
 _SURE = 8.0  # standard deviations
 _STRETCHES = 8  # of the recording; each is left out once
 _EXPLAINED = 0.4  # of the acceleration, before anything is said
+_OTHERS = " This check is blind to slow axes: import with --model tells each by its weight."
 _ALIKE = 3.0  # times: two couplings that friction and noise make unlike are still of one size
 
 
@@ -54,8 +55,11 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
             "are swapped."
         )
         remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
+    others = "" if len(backward) == len(names) else _OTHERS
     for i in sorted(backward):
-        text = f"'{names[i]}' accelerates against its measured torque: one of them has the wrong sign."
+        text = (
+            f"'{names[i]}' accelerates against its measured torque: one of them has the wrong sign.{others}"
+        )
         remarks.append(Remark("problem", "sign", names[i], text, value))
     return remarks
 

@@ -12,6 +12,11 @@ import mujoco
 
 from workbench.core import InputError
 
+_BALANCE = (
+    'correct this inertia, or let MuJoCo do it: <compiler balanceinertia="true"/> in <mujoco>, which a URDF '
+    "has inside of <robot>"
+)
+
 
 def silence() -> None:
     """Disable ``MUJOCO_LOG.TXT`` and terminal output: the caller handles a diverging run."""
@@ -48,7 +53,8 @@ def refused(act: str, file: Path) -> Iterator[None]:
         yield
     except (ValueError, mujoco.FatalError) as error:
         problem = f"MuJoCo cannot {act}: {error}"
-        raise InputError(problem, file=file, remedy="correct what it names") from error
+        remedy = _BALANCE if "balanceinertia" in str(error) else "correct what it names"
+        raise InputError(problem, file=file, remedy=remedy) from error
 
 
 @contextmanager

@@ -13,6 +13,8 @@ from workbench.recordings.velocity import derive_velocity
 ALIKE = 0.9
 _MOST = 60_000  # rows looked at
 _REACH = 40  # rows of delay looked for
+_FINEST = 0.02  # share of the changes, of which the largest is about the resolution
+_SINGLE = 2.5  # resolutions by which a coarse number typically changes
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,17 @@ def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def held_share(values: np.ndarray) -> float:
-    """Return the share of rows at which a column keeps its value, zeros (drives off) left out."""
+    """Return the share of rows at which a column keeps its value, zeros (drives off) left out.
+
+    Zero where a coarse sensor explains it: its numbers change by single steps, and one row after the other.
+    """
     on = (values[1:] != 0) | (values[:-1] != 0)
-    return float(np.mean(np.diff(values)[on] == 0)) if on.any() else 0.0
+    changes = np.abs(np.diff(values)[on])
+    changes = changes[changes > 0]
+    if not len(changes):
+        return float(on.any())
+    single = np.median(changes) < _SINGLE * np.quantile(changes, _FINEST)
+    rows = np.diff(np.flatnonzero(np.diff(values)))  # for which a value stays
+    if single and len(rows) and np.bincount(rows).argmax() == 1:
+        return 0.0
+    return 1.0 - len(changes) / float(on.sum())

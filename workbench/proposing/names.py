@@ -14,7 +14,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "acceleration": ("acc", "accel", "acceleration", "ddq", "qdd", "qddot", "qacc", "alpha"),
     "velocity": (
         *("velocity", "velocities", "vel", "speed", "dq", "qd", "qdot", "qvel", "omega", "w", "v", "vm"),
-        *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
+        *("thetadot", "dtheta", "thdot", "dth", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
     ),
     "torque": (
         *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "eff", "force"),
@@ -46,7 +46,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     ),
     "measured": (
         *("meas", "measured", "mes", "act", "actual", "fb", "feedback", "msr", "ist", "real", "observation"),
-        *("obs", "present", "sensed", "sensor", "est", "estimated", "states"),
+        *("obs", "present", "sensed", "sensor", "est", "estimated", "states", "measurement", "measurements"),
     ),
 }
 #: Words for what is asked of a drive, whatever it is.
@@ -61,6 +61,7 @@ _BRACKET = re.compile(r"\s*[\[\(<{]\s*([^\]\)>}]*)\s*[\]\)>}]\s*$")
 #: Units that say by themselves what a column is, as they end names.
 _TELLING = ("deg", "rad", "nm", "mnm", "ncm", "dps", "rps", "rpm", "deg/s", "rad/s", "mm/s", "m/s")
 _STATE = "state"
+_INPUT = "input"  # of a drive; an encoder on the input side of a gear measures a position
 _SHORT = ("w", "v", "i", "u", "n", "t", "a", "om", "q", "x")
 
 
@@ -116,6 +117,8 @@ def role_of(name: str, unit: str = "") -> Role:
     unit, rest = _unit_at_end(rest, kind, unit, words)
     if not kind and unit:
         kind = _kind_of_unit(unit)
+    if kind == "torque" and not role and _INPUT in rest:
+        role, rest = "reference", [w for w in rest if w != _INPUT]
     if not kind and only_command:
         kind = "command"
     joint = "_".join(rest)

@@ -33,6 +33,7 @@ from .stamps import whole_clocks
 from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit
+from .unused import note_unused
 from .usable import usable_rows, valid_column
 from .velocities import derivatives, uncross
 from .wraps import whole_positions
@@ -127,11 +128,7 @@ def _drafted(draft: Draft) -> Proposal:
         | {n for n in table.columns if _is_loop(draft, n)}
     )
     unused = [n for n in table.columns if n not in named and n not in (time, valid_column(draft))]
-    if unused:
-        shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
-        silent = not any(signal.startswith("torque") for signal in columns)
-        how = f"; if the torque is among them: --column torque_measured={','.join('…' for _ in axes)}"
-        draft.notes.append(f"Not used: {shown}{how if silent else ''}.")
+    note_unused(draft, unused, columns, len(axes))
     rewritten = not table.plain or rows.changed or time is None
     data = dict(rows.columns) if rewritten else None
     if data is not None:

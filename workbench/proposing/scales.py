@@ -74,8 +74,8 @@ def weigh(
 
 
 def expected(time: str, position: str, velocity: str) -> float:
-    """Return velocity divided by derivative of position in these units."""
-    return scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity"))
+    """Return the size of velocity divided by derivative of position in these units."""
+    return abs(scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity")))
 
 
 def _readings(time: str, motion: AxisMotion) -> dict[tuple[str, str], float]:

@@ -33,7 +33,12 @@ def resolve_scales(
         for signal, names in columns.items()
         if (own := units.get(AXIS_SIGNALS[signal])) is not None
     }
-    backward = [i for i, r in enumerate(relations) if r.likeness > 0.9 and r.factor < 0]
+    backward = [
+        i
+        for i, r in enumerate(relations)
+        if r.likeness > 0.9
+        and r.factor * scale(units["position"][i], "position") * scale(units["velocity"][i], "velocity") < 0
+    ]
     if backward:
         for i in backward:
             factors["velocity"][i] *= -1.0

@@ -9,7 +9,7 @@ from workbench.core import AXIS_SIGNALS, InputError
 
 from .draft import Draft
 from .proposal import Answers, listed
-from .units import is_linear, pint_unit, scale, times
+from .units import has_factor, is_linear, pint_unit, scale, times
 
 #: Quantities whose unit depends on how an axis moves, and an example of each: turning, along a line.
 EXAMPLES = {"position": ("deg", "mm"), "velocity": ("deg/s", "mm/s"), "torque": ("N*m", "N")}
@@ -83,7 +83,7 @@ def of_currents(draft: Draft, columns: dict[str, list[str]], said: list[str]) ->
     out = list(said) * (len(columns[signal]) if signal and len(said) == 1 else 1)
     for i, unit in enumerate(out if signal else ()):
         current = header_unit(draft, columns[signal][i], "current")
-        if current and scale(current, "current") != 1.0 and unit[0].isdigit():
+        if current and scale(current, "current") != 1.0 and has_factor(unit):
             out[i] = times(scale(current, "current"), unit)
             name = columns[signal][i]
             draft.notes.append(f"'{name}' is in {current}: {unit} per A is {out[i]} per {current}.")

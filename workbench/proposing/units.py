@@ -71,7 +71,7 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
 def pint_unit(text: str, kind: str) -> str:
     """Return the unit as pint writes it; ``""`` if `text` is no unit of this kind."""
     number, star, plain = text.partition("*")
-    if star and _is_number(number):
+    if star and _is_factor(number, kind):
         unit = pint_unit(plain.strip(), kind)
         return f"{float(number):g}*{unit}" if unit else ""
     if unit := _spelling(text, kind):
@@ -80,17 +80,24 @@ def pint_unit(text: str, kind: str) -> str:
     return text if len(text) > 1 and _is_of(text, kind) and scale(text, kind) < _GIGA else ""
 
 
+def has_factor(unit: str) -> bool:
+    """Return whether a unit, as `pint_unit` writes it, is a number of units."""
+    return unit.lstrip("-")[:1].isdigit()
+
+
 def times(factor: float, unit: str) -> str:
     """Return a unit with a factor, multiplied by another number."""
     number, _, plain = unit.partition("*")
     return f"{factor * float(number):.9g}*{plain}"
 
 
-def _is_number(text: str) -> bool:
+def _is_factor(text: str, kind: str) -> bool:
+    """Whether a text is a number of units, negative where columns count the other way; no clock does."""
     try:
-        return 0.0 < float(text) < float("inf")
+        number = float(text)
     except ValueError:
         return False
+    return 0.0 < (number if kind == "time" else abs(number)) < float("inf")
 
 
 def spelled(text: str, kind: str) -> bool:

@@ -6,7 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.comparison import Turn, replay_of, score_runs, shifted_axes, swapped_axes, turned_axes
+from workbench.comparison import (
+    Turn,
+    replay_of,
+    reversed_torques,
+    score_runs,
+    shifted_axes,
+    swapped_axes,
+    turned_axes,
+)
 from workbench.core import InputError, Recording, SimulationError
 from workbench.models import Model
 
@@ -14,6 +22,7 @@ from ..policy import POLICY
 
 _EXCHANGE = "exchange them in [columns], or the names of the joints in the model"
 _ZERO = "add that as offset in [columns], in the unit of [units], or move the zero of the joints in the model"
+_NEGATE = "negate its columns (scale = -1.0 in [columns], or a negative factor in [units])"
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
@@ -37,6 +46,11 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
             raise InputError(
                 f"positions are measured from a different zero than in model '{model.name}': {shifted}",
                 file=recordings[0].source, column=", ".join(shifted.by), remedy=_ZERO,
+            )  # fmt: skip
+        if wrong := reversed_torques(model, recordings):
+            raise InputError(
+                f"model '{model.name}': {wrong}",
+                file=recordings[0].source, column=", ".join(wrong.axes), remedy=_NEGATE,
             )  # fmt: skip
         return
     axes = list(dict.fromkeys(turn.axis for turn in found.turns))
