@@ -54,12 +54,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     _refuse_blind(
         recordings, "neither the loop nor a torque is known", f"describe the controller, or {_NAME}"
     )
-<<<<<<< HEAD
-    return InverseDynamicsReplay(followed([_with_stated(model, r) for r in recordings]), noise, model)
-=======
     _refuse_undriven(model, recordings, noise)
-    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
->>>>>>> imports
+    return InverseDynamicsReplay(followed([_with_stated(model, r) for r in recordings]), noise, model)
 
 
 def _refuse_blind(recordings: Sequence[Recording], why: str, remedy: str) -> None:
