@@ -87,7 +87,7 @@ def test_a_name_that_no_file_can_have_is_refused_at_once(files: dict[str, Path],
 
 
 @pytest.mark.parametrize("name", [n for n, c in TREE.items() if outputs(c, Path("x"), ".toml")])
-def test_an_output_below_a_folder_that_is_not_there_is_a_typing_error(
+def test_an_output_two_new_folders_deep_is_a_typing_error(
     name: str, files: dict[str, Path], tmp_path: Path
 ) -> None:
     """One new folder is made for an output, not a chain of them."""

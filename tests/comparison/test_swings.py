@@ -34,7 +34,7 @@ def test_free_is_what_no_torque_drives() -> None:
     assert not is_free(replace(quiet, controller=Controller("pd", "joint", (1.0,), (0.1,))))
 
 
-def test_a_swing_of_an_unknown_controller_says_how_to_state_that_nothing_drives_it(tmp_path: Path) -> None:
+def test_an_undriven_swing_says_how_to_state_that(tmp_path: Path) -> None:
     swinging, hanging = (
         replace(recorded(x), controller=Controller()) for x in (swing(0.5, duration=3.0), np.zeros(2000))
     )

@@ -87,7 +87,7 @@ def test_the_command_refuses_it_before_a_bus_is_opened(tmp_path: Path) -> None:
     assert done.exit_code == 0 and "not approved" in done.stderr
 
 
-def test_what_needs_no_bus_is_checked_before_a_person_is_asked_or_virtual_motors_are_made(
+def test_what_needs_no_bus_is_checked_before_anything_moves(
     tmp_path: Path,
 ) -> None:
     made = list[str]()

@@ -111,7 +111,7 @@ def test_a_weld_holds_an_angle_too(tmp_path: Path) -> None:
     np.testing.assert_allclose(ClosedChain(model.closed_chain).tree_position(np.array([0.3])), 0.3, atol=1e-9)
 
 
-def test_without_a_keyframe_assembly_begins_at_the_files_pose_or_inside_ranges(tmp_path: Path) -> None:
+def test_without_a_keyframe_assembly_begins_inside_ranges(tmp_path: Path) -> None:
     file = tmp_path / "robot.xml"
     joints = {"at_zero": 'range="-1 1"', "beyond": 'range="0.5 1.5"', "turned": 'ref="0.4" range="-1 1"'}
     bodies = "".join(

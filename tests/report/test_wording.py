@@ -222,7 +222,7 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
     assert "Something is missing too: Coulomb friction" in both
 
 
-def test_what_explains_most_is_told_first_and_what_is_not_sure_says_so(diagnosis) -> None:
+def test_what_explains_most_is_first_and_doubt_is_told(diagnosis) -> None:
     missing = diagnosis.findings[0]
     wrong = replace(
         missing,
@@ -240,7 +240,7 @@ def test_what_explains_most_is_told_first_and_what_is_not_sure_says_so(diagnosis
     assert "not sure" not in sentence(replace(diagnosis, findings=(missing,)))
 
 
-def test_what_stays_of_the_error_is_told_where_it_is_more_than_noise(diagnosis, comparison) -> None:
+def test_what_stays_of_the_error_is_told_above_the_noise(diagnosis, comparison) -> None:
     """One number that is far off makes all else look small."""
     noise = comparison.noise_error
     before, after = (replace(comparison, error=times * noise, consistent=False) for times in (90.0, 5.1))

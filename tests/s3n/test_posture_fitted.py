@@ -98,7 +98,7 @@ def test_its_bodies_can_be_built(fitted: FittedTree) -> None:
     assert m.body_mass.sum() == pytest.approx(2.145, rel=0.02)
 
 
-def test_its_links_are_those_of_the_file_where_motion_does_not_tell(fitted: FittedTree) -> None:
+def test_links_are_the_files_where_motion_does_not_tell(fitted: FittedTree) -> None:
     """A link has its own mass, and less than all of the crank's and the coupler's beside it."""
     stated = load_mjcf(model("four_bar").serial).compile()
     omitted = 2.145 - stated.body_mass.sum()

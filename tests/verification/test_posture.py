@@ -57,7 +57,7 @@ def test_the_five_bar_agrees_in_every_engine() -> None:
     assert not result.variants and not result.not_checked
 
 
-def test_one_drive_whose_inertia_does_not_change_has_no_velocity_terms_to_differ(tmp_path: Path) -> None:
+def test_one_drive_of_constant_inertia_has_no_velocity_terms(tmp_path: Path) -> None:
     """The knee of a parallelogram with its hip held: what is left of its velocity terms is rounding."""
     file = tmp_path / "leg.urdf"
     file.write_text(urdf_of_a_leg(0.2, {"knee": (0.5, 2.4), "motor": (-2.0, 3.0)}))

@@ -16,7 +16,7 @@ from workbench.rigs import Plate, VirtualLeg, plate_experiments
 LAW = EffectKey("contact_compliance", None)
 
 
-def test_a_ground_damps_as_it_does_and_not_as_noise_would_have_it() -> None:
+def test_noise_of_starts_does_not_raise_a_grounds_damping() -> None:
     """What noise of the starts does dies sooner the more the ground damps, and the fit takes too much."""
     plate = Plate()
     press_step_slide = plate_experiments(duration=0.8)[:3]
