@@ -10,7 +10,9 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.diagnosis.fitting.normal_equations import Normal
 from workbench.diagnosis.screening.equations import Entry
+from workbench.diagnosis.screening.forms import reformed
 from workbench.diagnosis.screening.rivals import rivals_of
+from workbench.diagnosis.screening.selection import selection_of
 from workbench.diagnosis.screening.torque_regression import Regression
 
 ROWS, FOLDS = 300, 4
@@ -65,3 +67,19 @@ def test_what_explains_another_part_is_no_other_name() -> None:
     true, other, alike = entries = [entry(effect, "a", k) for k, effect in enumerate(effects)]
     _, tied = rivals_of(problem(columns, torque, entries), [true], true)
     assert alike.key in tied and other.key not in tied
+
+
+def test_a_form_replaces_only_an_effect_whose_work_it_does() -> None:
+    """A mass explains nearly all, and a damping nearly all of the rest, in whichever form the mass is."""
+    random = np.random.default_rng(2)
+    mass, damping, odd = random.normal(size=(3, ROWS))
+    columns = np.stack([mass, mass + 1e-3 * odd, damping], axis=-1)[:, None]
+    torque = columns @ [0.0, 10.0, 1.0] + 0.1 * random.normal(size=(ROWS, 1))
+    key, lever = EffectKey("first_moment_error", "a"), {"lever": 0.1, "aside": 0.0}
+    forms = [Entry(key, shape, [k], None, 1.0) for k, shape in enumerate((lever, lever | {"gyration": 0.02}))]
+    damped = entry("viscous_damping", "a", 2)
+    regression = problem(columns, torque, [*forms, damped])
+    assert damped in reformed(selection_of((forms[0], damped), regression), regression).chosen
+    columns[:, 0, 1] += 0.1 * damping  # a form that has the damping in it takes its place
+    both = problem(columns, torque, [*forms, damped])
+    assert damped not in reformed(selection_of((forms[0], damped), both), both).chosen
