@@ -45,7 +45,7 @@ def steps(drive: Moteus) -> tuple[float, ...]:
 @EVERY
 @given(p=PART, v=PART, t=PART, gains=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)))
 def test_a_setpoint_comes_back_to_half_a_step(drive, p, v, t, gains) -> None:
-    kp, kd = max(gains), min(gains)  # the drive takes no larger part of kd than of kp
+    kp, kd = max(gains), min(gains)  # the drive takes no more of its range of kd than of kp
     sent = Setpoint(12.0 * p, 40.0 * v, 60.0 * kp, 2.0 * kd, 20.0 * t)
     for got in (drive.asked(drive.command(sent)), understood(drive.command(sent))):
         assert isinstance(got, Setpoint)
@@ -131,7 +131,7 @@ def test_damping_without_stiffness_is_a_mode_or_nothing() -> None:
     assert FLOAT.command(damp).data[:3] == b"\x01\x00\x0c"
     assert FLOAT.asked(FLOAT.command(damp)) == understood(FLOAT.command(damp)) == (0, 0, 0, 2.0, 0)
     for wanted in (damp._replace(kd=1.0), damp._replace(torque=1.0), damp._replace(kp=30.0)):
-        with pytest.raises(FrameError, match="larger part"):
+        with pytest.raises(FrameError, match="more of its range"):
             FLOAT.command(wanted)
 
 

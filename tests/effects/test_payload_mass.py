@@ -77,7 +77,7 @@ def test_a_moment_that_no_motion_shows_is_not_asked(tmp_path: Path) -> None:
     model, t = load_model(file), 0.002 * np.arange(1500)
     q = np.stack([0.6 * np.sin(5.0 * t), 0.5 * np.cos(7.0 * t)], axis=1)
     log = Recording(
-        "log", ("swing", "knee"), "joint", t, {"position": q, "torque_measured": 0.0 * q}, ("rad",) * 2
+        "log", ("swing", "knee"), "joint", t, {"position": q, "torque_measured": 0.1 * q}, ("rad",) * 2
     )
     replay = replay_of(model, [log])
     motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])

@@ -153,7 +153,7 @@ def test_what_is_no_mechanism_is_said_of_the_users_file(
 
 def test_the_machine_itself_is_never_written_over(tmp_path: Path) -> None:
     file = _file(tmp_path, "bodies")
-    with pytest.raises(InputError, match="written over"):
+    with pytest.raises(InputError, match="overwrite it"):
         import_model(_with(file), _DRIVES, tmp_path / "machine.toml", force=True)
     assert file.read_text() == _LEG.format(loop=_LOOPS["bodies"])
 

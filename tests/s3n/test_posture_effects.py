@@ -31,4 +31,6 @@ def test_what_is_written_for_others_has_it() -> None:
     made, bare = fit_native(LOADED), fit_native(MODEL)
     assert made.left_out == ()
     assert made.error.inertia_max < 0.01
-    assert made.mujoco.body_mass.sum() == pytest.approx(bare.mujoco.body_mass.sum() + 0.4)
+    assert made.mujoco.body_mass.sum() == pytest.approx(
+        bare.mujoco.body_mass.sum() + 0.4, abs=0.02
+    )  # what no motion shows stays near the file's

@@ -20,15 +20,11 @@ from .parameter import INF, Chart, Parameter, Parameters, Place, Values
 from .response import Response
 
 _MASS = Parameter("mass", "kg", example=0.3)
-_MOMENTS = tuple(
-    Parameter(
-        f"moment_{way}",
-        "kg*m",
-        lower=-INF,
-        about=f"mass times distance of the centre from the site, along {way} of the site; may be left out",
-        optional=True,
-    )
-    for way in "xyz"
+_OFF = "mass times distance of the centre from the site, along {} of the site; may be left out"
+_MOMENTS = (
+    Parameter("moment_x", "kg*m", lower=-INF, about=_OFF.format("x"), optional=True),
+    Parameter("moment_y", "kg*m", lower=-INF, about=_OFF.format("y"), optional=True),
+    Parameter("moment_z", "kg*m", lower=-INF, about=_OFF.format("z"), optional=True),
 )
 _INERTIA = Parameter("inertia", "kg*m^2", about="about the centre, every way; may be left out", optional=True)
 _BODY = (*_MOMENTS, _INERTIA)

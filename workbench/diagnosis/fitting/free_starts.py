@@ -29,7 +29,7 @@ from .normal_equations import Normal, normal, total
 from .uncertainty import covariance_of, scatter, with_deviations
 
 _ROUNDS = 4
-_SEEN = 1e-8  # of the largest response to a start: less is nothing
+_SEEN_TOLERANCE = 1e-8  # of the largest response to a start: less is nothing
 
 
 def with_free_starts(found: Fit, data: Data) -> Fit:
@@ -112,7 +112,7 @@ def _without_starts(
             own = (responses[rows] * data.weight[:, :, None]).reshape(-1, responses.shape[-1])
             size = np.linalg.norm(own, axis=0)
             basis, seen, _ = np.linalg.svd(own / np.where(size > 0.0, size, 1.0), full_matrices=False)
-            basis = basis[:, seen > _SEEN * max(seen[0], _SEEN)]
+            basis = basis[:, seen > _SEEN_TOLERANCE * max(seen[0], _SEEN_TOLERANCE)]
             flat = values[rows].reshape(len(own), -1)
             left[rows] = (flat - basis @ (basis.T @ flat)).reshape(values[rows].shape)
         out.append(left)

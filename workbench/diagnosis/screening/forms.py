@@ -34,18 +34,24 @@ def _with_form(new: Chosen, entry: Entry, form: Entry, beside: Chosen, regressio
     return regression.solved(with_new(beside, way))
 
 
-def reformed(now: Selection, regression: Regression) -> Selection:
+def reformed(
+    now: Selection, regression: Regression, seen: frozenset[frozenset[Entry]] = frozenset()
+) -> Selection:
     """Return the selection with each effect in its best form beside all others, and one form instead of
     several effects.
 
     A payload and a lighter link are together a link whose centre is elsewhere; links whose centres are
     elsewhere, and a payload, are together a payload off its site.
     """
+    this = frozenset(now.chosen)
+    if this in seen:  # the forms of two effects may each want the other's first
+        return now
+    seen |= {this}
     for entry in now.chosen:
         others = tuple(e for e in now.chosen if e is not entry)
         (best,) = in_best_form((entry,), others, regression)
         if best is not entry:
-            return reformed(selection_of((*others, best), regression), regression)
+            return reformed(selection_of((*others, best), regression), regression, seen)
         for form in regression.forms(entry)[1:]:
             fewer = selection_of((*others, form), regression)
             for out in (e for e in others if regression.axes_of(e) & regression.axes_of(entry)):
@@ -53,7 +59,7 @@ def reformed(now: Selection, regression: Regression) -> Selection:
                 if loss_without((out,), rest, now, regression) <= 1.0:
                     fewer = rest
             if len(fewer.chosen) < len(now.chosen) and _rank(fewer) <= _rank(now):
-                return reformed(fewer, regression)
+                return reformed(fewer, regression, seen)
     return now
 
 
