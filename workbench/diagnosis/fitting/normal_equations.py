@@ -54,3 +54,10 @@ def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
 def total(pieces: Sequence[Normal]) -> Normal:
     """Return normal equations of all pieces together."""
     return reduce(add, pieces)
+
+
+def scaled_inverse(gram: np.ndarray) -> np.ndarray:
+    """Return the pseudo-inverse (C, C) of a Gram matrix, whatever the sizes of its unknowns."""
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    sizes = np.outer(size, size)
+    return np.linalg.pinv(gram / sizes, rcond=1e-10, hermitian=True) / sizes

@@ -11,7 +11,7 @@ from workbench.core import Disagreement
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect
 
-from ..fitting.normal_equations import total
+from ..fitting.normal_equations import scaled_inverse, total
 from ..policy import POLICY
 from .equations import Entry
 from .linear_problem import Linear
@@ -103,7 +103,7 @@ def _apart(linear: Linear, entry: Entry, shared: Sequence[Entry]) -> _Apart | No
     for piece, place in zip(own, places, strict=True):
         gram[np.ix_(place, place)] += piece.gram
         right[place] += piece.right
-    inverse = _inverse(gram)
+    inverse = scaled_inverse(gram)
     found, alike = inverse @ right, total(own)
     deviations = np.sqrt(np.maximum(np.diag(inverse)[count:], 0.0))
     return _Apart(
@@ -111,10 +111,5 @@ def _apart(linear: Linear, entry: Entry, shared: Sequence[Entry]) -> _Apart | No
         found[count:].reshape(len(own), k),
         deviations.reshape(len(own), k),
         np.array([piece.after(found[place]) for piece, place in zip(own, places, strict=True)]),
-        float(alike.after(_inverse(alike.gram) @ alike.right)),
+        float(alike.after(scaled_inverse(alike.gram) @ alike.right)),
     )
-
-
-def _inverse(gram: np.ndarray) -> np.ndarray:
-    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    return np.linalg.pinv(gram / np.outer(size, size), rcond=1e-10, hermitian=True) / np.outer(size, size)

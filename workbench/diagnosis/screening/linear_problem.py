@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import effect_named, places
 
-from ..fitting.normal_equations import Normal, total
+from ..fitting.normal_equations import Normal, scaled_inverse, total
 from ..fitting.uncertainty import scatter
 from ..policy import POLICY
 from .equations import Entry, Equations, equations_of, responses
@@ -68,10 +68,7 @@ class Linear:
         return inverse @ self._noise[np.ix_(index, index)] @ inverse
 
     def _inverse(self, index: Sequence[int]) -> np.ndarray:
-        block = self._gram[np.ix_(index, index)]
-        size = np.sqrt(np.maximum(np.diag(block), 1e-300))
-        inverse = np.linalg.pinv(block / np.outer(size, size), rcond=1e-10, hermitian=True)
-        return inverse / np.outer(size, size)
+        return scaled_inverse(self._gram[np.ix_(index, index)])
 
     def shown(self, entry: Entry) -> float:
         """Return how many deviations a small effect is from zero, beside its own special cases."""
