@@ -12,7 +12,7 @@ _ROWS = 2000  # of each of two recordings
 
 
 def _friction(changes: float, *, missing: bool = False, seed: int) -> Adequacy:
-    """Dry friction beside a constant and a slow unknown torque, where the drive turns one way, then the other.
+    """Dry friction beside a constant and a slow unknown torque; the drive turns one way, then the other.
 
     It `changes` by so much within a recording. Where it is `missing`, the second recording has none.
     """
