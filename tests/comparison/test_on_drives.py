@@ -7,26 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench import compare, frf
+from tests.mechanism_log import multisines
+from workbench import compare
 from workbench.comparison import replay_of
 from workbench.core import EffectKey, Estimate, InputError, Recording
 from workbench.models import AppliedEffect, read_model
 from workbench.s3n import on_drives
-from workbench.simulation import PosturePlant, SensorNoise, as_recording, held_posture, run_posture
+from workbench.simulation import SensorNoise
 
 MODEL = read_model("four_bar")
 
 
 @pytest.fixture(scope="module")
 def log() -> Recording:
-    """Two seconds of multisines with the noise of sensors, by the closed chain's own equation."""
-    design = frf.multisine(
-        MODEL.axes, name="m", period_s=2.0, rms=1.0, f_min_hz=0.5, f_max_hz=10.0, rate_hz=500.0,
-        hold=held_posture(MODEL, {}), mixing="orthogonal", periods=1, transient_periods=0, realisations=1,
-        phases="schroeder", driven="torque_feedforward", seed=1,
-    )  # fmt: skip
+    """Two seconds of both drives, with the noise of sensors."""
     sensors = SensorNoise(np.full(2, 1e-5), np.zeros(2), np.full(2, 0.01), np.full(2, 0.01), 3)
-    return run_posture(PosturePlant(MODEL), as_recording(MODEL, design, 0), [sensors])[0]
+    return multisines(MODEL, period_s=2.0, f_min_hz=0.5, rate_hz=500.0, noise=sensors)
 
 
 def _with(effect: str, **values: float) -> AppliedEffect:

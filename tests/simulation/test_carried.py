@@ -9,22 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.mechanism_log import multisines
 from tests.simulation.make import having, hold_slopes_to_differences
-from workbench import frf
 from workbench.comparison import replay_of
 from workbench.core import EffectKey, Mechanism, Recording
 from workbench.effects import compile_plant, effect_named, into_file
 from workbench.mechanism import ClosedChain
 from workbench.models import Model, Placement, read_model
 from workbench.s3n import on_drives
-from workbench.simulation import (
-    PosturePlant,
-    Track,
-    as_recording,
-    held_posture,
-    required_torque,
-    run_posture,
-)
+from workbench.simulation import Track, required_torque
 
 FOUR_BAR = read_model("four_bar")
 assert FOUR_BAR.closed_chain is not None
@@ -98,13 +91,8 @@ def test_slopes_are_the_torque_s_with_what_effects_change() -> None:
 
 @pytest.fixture(scope="module")
 def log() -> Recording:
-    """Half a second of both drives, by the closed chain's own equation."""
-    design = frf.multisine(
-        FOUR_BAR.axes, name="m", period_s=0.5, rms=1.0, f_min_hz=2.0, f_max_hz=10.0, rate_hz=250.0,
-        hold=held_posture(FOUR_BAR, {}), mixing="orthogonal", periods=1, transient_periods=0, realisations=1,
-        phases="schroeder", driven="torque_feedforward", seed=1,
-    )  # fmt: skip
-    return run_posture(PosturePlant(FOUR_BAR), as_recording(FOUR_BAR, design, 0), [None])[0]
+    """Half a second of both drives, without noise."""
+    return multisines(FOUR_BAR, period_s=0.5, f_min_hz=2.0, rate_hz=250.0)
 
 
 @pytest.mark.parametrize(
