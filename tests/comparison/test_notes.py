@@ -10,7 +10,7 @@ from workbench.comparison.notes import notes_of
 from workbench.core import Controller
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model
-from workbench.report.wording import loop_sentence
+from workbench.report.comparison_words import loop_sentence
 
 from .make import measured
 

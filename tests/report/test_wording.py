@@ -7,9 +7,10 @@ import pytest
 
 from workbench.core import EffectKey, Estimate, Outlier, Share
 from workbench.report import diagnosis_dict, render_page, sentence
+from workbench.report.comparison_words import loop_sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
-from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase, sized_phrase
+from workbench.report.wording import effect_phrase, effect_phrases, share_phrase, sized_phrase
 
 from . import build
 from .browser import Page

@@ -223,11 +223,10 @@ def _frames(text: str) -> tuple[str, str]:
 
 
 def _range(text: str) -> tuple[float, float]:
-    low, _, high = text.partition(":")
-    out = _number(low), _number(high)
-    if not out[0] < out[1]:
+    low, high = map(_number, text.partition(":")[::2])
+    if not low < high:
         raise InputError(f"limits '{text}' are not LOW:HIGH", remedy="e.g. --limits knee=0.35:2.6")
-    return out
+    return low, high
 
 
 def _number(text: str) -> float:

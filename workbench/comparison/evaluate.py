@@ -12,13 +12,12 @@ from workbench.effects import axis_units
 from workbench.models import Model, free_joints, limits_left_out
 
 from .consistent import consistent, outlier_of
-from .grounded import force_squares
 from .inverse import inverse_dynamics
 from .lines import line_shares
 from .notes import notes_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
-from .standing import on_ground
+from .standing import FORCE, on_ground
 from .touching import contact_notes
 from .where import locate
 
@@ -68,7 +67,7 @@ class Sums:
         noise = np.stack([squares(draw[index], clean, names) for draw in simulated.noisy])
         return Sums(
             r, clean, squares(r, clean), noise, int(np.sum(r.valid)), simulated.immaterial(index),
-            force=force_squares(simulated, index),
+            force=_force_squares(simulated, index),
         )  # fmt: skip
 
 
@@ -121,3 +120,16 @@ def concluded(
         notes=(*notes, *filter(None, [limits_left_out(model), free_joints(model)])),
         outlier=outlier_of(model.axes, error_ms, draws_ms, allowed),
     )
+
+
+def _force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return mean squares of the force on the feet, (3 F,) each: measured minus simulated, and noise.
+
+    None where it was not measured.
+    """
+    measured, clean = simulated.recordings[index], simulated.clean[index]
+    if not (FORCE in measured.extra and FORCE in clean.extra):
+        return None
+    rows, made = measured.valid, clean.extra[FORCE]
+    noise = [(draw[index].extra[FORCE] - made)[rows] ** 2 for draw in simulated.noisy]
+    return ((measured.extra[FORCE] - made)[rows] ** 2).mean(axis=0), np.mean(noise, axis=(0, 1))

@@ -208,19 +208,6 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
         return replace(s, recording=recording, windows=windows)
 
 
-def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return mean squares of the force on the feet, (3 F,) each: measured minus simulated, and noise.
-
-    None where it was not measured.
-    """
-    measured, clean = simulated.recordings[index], simulated.clean[index]
-    if not (FORCE in measured.extra and FORCE in clean.extra):
-        return None
-    rows, made = measured.valid, clean.extra[FORCE]
-    noise = [(draw[index].extra[FORCE] - made)[rows] ** 2 for draw in simulated.noisy]
-    return ((measured.extra[FORCE] - made)[rows] ** 2).mean(axis=0), np.mean(noise, axis=(0, 1))
-
-
 def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int | None]:
     """Substeps in a row, and their length [s]; and the integrator, None for our own."""
     if recording.timing.stepped:

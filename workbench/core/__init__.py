@@ -3,20 +3,10 @@
 from .carried import Carried, CarriedMotion
 from .copies import apart, together
 from .coupling import Coupling, declared_couplings
-from .diagnosis import (
-    Diagnosis,
-    Disagreement,
-    EffectKey,
-    Estimate,
-    Finding,
-    Identifiability,
-    Shape,
-    Stopped,
-    Tried,
-    Verdict,
-)
+from .diagnosis import Diagnosis, Disagreement, Identifiability, Shape, Stopped, Tried, Verdict
 from .drive_map import DriveMap
 from .errors import InputError, SimulationError, WorkbenchError
+from .finding import EffectKey, Estimate, Finding
 from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing

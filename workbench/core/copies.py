@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .diagnosis import EffectKey, Estimate
+from .finding import EffectKey, Estimate
 
 _PLACE = ("effect", "axis", "location")
 

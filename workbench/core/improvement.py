@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .diagnosis import Diagnosis, EffectKey, Estimate, Verdict
+from .diagnosis import Diagnosis, Verdict
+from .finding import EffectKey, Estimate
 from .results import Comparison
 from .shown import Shown
 

@@ -96,8 +96,7 @@ _LINEAR_UNITS = {
 
 @dataclass(frozen=True)
 class Chart:
-    """Unknowns that replace the parameters: those in which the torque is linear, or that can be
-    identified.
+    """Unknowns that replace the parameters: in which the torque is linear, or that can be identified.
 
     `values`: parameters from linear coefficients (k,) and the rest; `solved`: the inverse. `special`: linear
     unknowns of another form, by the name that a shape of that form has.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from workbench.core import Diagnosis, Estimate, Finding, Improvement
 
+from .comparison_words import outlier_phrase
 from .numbers import interval, number, percent, plain
 from .wording import (
     any_of,
@@ -14,7 +15,6 @@ from .wording import (
     effect_phrases,
     harmonics,
     one_of_a_kind,
-    outlier_phrase,
     parameter_name,
     place,
     share_phrase,

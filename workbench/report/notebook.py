@@ -17,6 +17,7 @@ from workbench.core.units import torque_unit
 
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence, in_words
+from .comparison_words import comparison_sentence
 from .figures import ladder_figure, overlay_figure
 from .numbers import number, percent, plain, quantity
 from .pack import worst_view
@@ -51,7 +52,7 @@ def _(value: Comparison) -> Summary:
         for k, axis in enumerate(e.recording.axes)
     ]  # fmt: skip
     head = ("recording", "axis", "position RMSE (noise)", "torque RMSE (noise)")
-    return _plain(w.comparison_sentence(value), _error(value.error, value.noise_error), head, rows)
+    return _plain(comparison_sentence(value), _error(value.error, value.noise_error), head, rows)
 
 
 @summary.register

@@ -9,6 +9,7 @@ from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvemen
 
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence, near_sentence
+from .comparison_words import comparison_sentence, inverse_sentence, loop_sentence
 from .json import Truth
 from .key_numbers import key_numbers
 from .ladder import log_axis, rungs
@@ -57,7 +58,7 @@ def sections(
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
         "held_scores": _held_scores(result, after),
-        "inverse": w.inverse_sentence(before, after),
+        "inverse": inverse_sentence(before, after),
         "notes": _notes(result, before),
         "truth": truth_rows(result, truth)
         if truth is not None and not isinstance(result, Comparison)
@@ -79,14 +80,14 @@ def _held_scores(result: Result, after: Comparison | None) -> dict[str, Any]:
 
 def _notes(result: Result, before: Comparison | None) -> list[str]:
     of_data = () if isinstance(result, Comparison) else result.notes
-    of_comparison = (w.loop_sentence(before), *before.notes) if before else ()
+    of_comparison = (loop_sentence(before), *before.notes) if before else ()
     return [plain(n) for n in dict.fromkeys((*of_data, *of_comparison)) if n]
 
 
 def sentence(result: Result) -> str:
     """Return the verdict as one sentence."""
     if isinstance(result, Comparison):
-        return w.comparison_sentence(result)
+        return comparison_sentence(result)
     if isinstance(result, Diagnosis):
         return diagnosis_sentence(result)
     return improvement_sentence(result)

@@ -14,6 +14,7 @@ from workbench.core.units import torque_unit
 
 from . import wording as w
 from .answer import near_sentence, rest_sentence
+from .comparison_words import loop_sentence
 from .json import Truth
 from .ladder import rungs
 from .layout import table as _table
@@ -76,7 +77,7 @@ def compare_table(result: Comparison) -> Group:
                 f" ({result.inverse_dynamics.filter})."
             )
         )
-    notes = [w.loop_sentence(result), *result.notes]
+    notes = [loop_sentence(result), *result.notes]
     parts += [_text(f"Note: {note}") for note in notes if note]
     return Group(*parts)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from workbench.core import Comparison
 from workbench.report import wording as w
+from workbench.report.comparison_words import comparison_sentence, loop_sentence
 from workbench.report.numbers import number
 
 from .widgets import safe
@@ -17,7 +18,7 @@ _SHARES = 5
 
 def verdict(model: str, comparison: Comparison | None) -> str:
     """Return a comparison as one sentence; None while it is computed."""
-    words = w.comparison_sentence(comparison) if comparison else "Comparing with the noise …"
+    words = comparison_sentence(comparison) if comparison else "Comparing with the noise …"
     tone = "" if comparison is None else "good" if comparison.consistent else "missing"
     return f"<p class=eyebrow>{safe(model)}</p><h1 class='verdict {tone}'>{safe(words)}</h1>"
 
@@ -49,5 +50,5 @@ def where_words(comparison: Comparison) -> str:
         told = "<p>As a whole, the error is no larger than the noise explains.</p>"
     else:
         told = "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
-    loop = w.loop_sentence(comparison)
+    loop = loop_sentence(comparison)
     return told + (f"<p class=quiet>{safe(loop)}</p>" if loop else "")
