@@ -14,8 +14,9 @@ def main() -> None:
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # many small factorisations: the threads of a linear algebra library only get in each other's way
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # many small factorisations: the threads of a linear algebra library only get in each other's way; and how
+    # many add up a long sum changes its last digit, so nobody's setting may choose
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # nothing is drawn by MuJoCo here, which would load a window library and start a process to look at it
     os.environ.setdefault("MUJOCO_GL", "disable")

@@ -132,7 +132,7 @@ def next_step(
 def _step(helpful: list[Explanation], tried: list[Explanation], at: SearchState) -> AcceptedStep:
     """The step with the best candidate that may be named, without the effects that it makes needless."""
     linearisation, model, data, before = at.linearisation, at.linearisation.model, at.data, at.current
-    best = choose(helpful, at.parameter_free, before.test_loss, data, model)
+    best = choose(helpful, at.parameter_free, before.test_loss, data)
     candidate, found = special_case(linearisation, *best[:2], helpful, data)
     key = candidate.key
     wider = named_beside(linearisation, at.candidates, candidate, found, before, data)

@@ -7,7 +7,6 @@ from typing import TypeVar
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
-from workbench.models import Model
 
 from ..acceptance import at_noise_floor
 from ..data import Data
@@ -28,7 +27,6 @@ def choose(
     parameter_free: Sequence[Candidate],
     before: float,
     data: Data,
-    model: Model,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """Return the best explanation and those indistinguishable from it; among equals, the one with fewest
     parameters.
@@ -38,13 +36,15 @@ def choose(
     floor = test_noise_floor(data)
     helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
 
-    def cost(c: Candidate) -> tuple[int, int, bool]:
-        effect = effect_named(c.key.effect)
-        return kinds.free_parameters(effect, model), kinds.tier_of(effect), kinds.diverges(effect)
+    def cost(one: Explanation) -> tuple[int, int, bool]:
+        (c, f), effect = one, effect_named(one[0].key.effect)
+        free = 0 if c in parameter_free else f.hypothesis.size  # of the form that was fitted
+        return free, kinds.tier_of(effect), kinds.diverges(effect)
 
     known = [(c, f) for c, f in helpful if c in parameter_free]
     done = [(c, f) for c, f in helpful if at_noise_floor(f, data)]
-    top, most = min(((c, f.test_loss) for c, f in helpful), key=lambda cj: cj[1])
+    leading = min(helpful, key=lambda cf: cf[1].test_loss)
+    top, most = leading[0], leading[1].test_loss
 
     def only_form(c: Candidate) -> bool:
         """Whether the best explanation is a refinement of this one, which a new fit might not find again."""
@@ -54,7 +54,7 @@ def choose(
         (c, f)
         for c, f in helpful
         if effect_named(c.key.effect).search.basic
-        and cost(c) <= cost(top)
+        and cost((c, f)) <= cost(leading)
         and before - f.test_loss > POLICY.basic_share * (before - most)
         and not (most < POLICY.near_noise * floor and f.test_loss > POLICY.far_worse * most)
         and not (only_form(c) and f.test_loss - floor > POLICY.far_worse * max(most - floor, 0.0))
@@ -62,7 +62,7 @@ def choose(
     pool = known or done or basic or helpful
     best = min(f.test_loss for _, f in pool)
     ties = [(c, f) for c, f in pool if f.test_loss <= best * (1.0 + POLICY.tie)]
-    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].test_loss))
+    ties.sort(key=lambda cf: (cost(cf), cf[1].test_loss))
     candidate, found = ties[0]
     # every candidate that fits as well is indistinguishable, unless it merely contains the choice
     indistinguishable = tuple(
