@@ -19,7 +19,15 @@ from .acceptance import contradicts_holdout
 from .checks.units import doubted, state_units
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
-from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
+from .findings import (
+    by_links_line,
+    cut_short_line,
+    findings_of,
+    near_findings,
+    near_line,
+    ranking_of,
+    refuting_line,
+)
 from .loss import rescored
 from .mend import mend_lines
 from .policy import POLICY
@@ -104,6 +112,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *refuting_line(verdict, first),
             *near_line(verdict, first),
             *cut_short_line(last),
+            *by_links_line(last),
             *(clues.of_rest(after.where) if clues else ()),
         ),
         shapes=clues.shapes if clues else (),

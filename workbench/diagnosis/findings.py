@@ -218,3 +218,14 @@ def cut_short_line(found: SearchResult) -> tuple[str, ...]:
         "be missing; to search further, give fewer or shorter recordings, or diagnose the model that "
         "`improve` writes",
     )
+
+
+def by_links_line(found: SearchResult) -> tuple[str, ...]:
+    """Return a line on errors of all links, where these together explain most of what is left."""
+    if not found.by_links:
+        return ()
+    return (
+        "other masses, centres of mass and inertias of all links together explain "
+        f"{100.0 * found.by_links:.0f} % of what is left in the torque on data that were not fitted: these "
+        "numbers of the model may be guesses; take them from the maker or from CAD",
+    )

@@ -9,6 +9,7 @@ from workbench.comparison import Simulated, cannot_run, noise_rules
 from workbench.core import Disagreement, Identifiability, Recording, SimulationError
 from workbench.models import Model
 
+from .adequacy.link_errors import link_errors
 from .checks.units import differing_units
 from .data import gather
 from .explore import explore
@@ -108,7 +109,17 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         None if only_jointly else problem.linear,
         trace,
         done or only_jointly or are_the_laws(node, problem),
+        0.0 if done or only_jointly else _by_links(node, problem),
     )
+
+
+def _by_links(node: Node, problem: Problem) -> float:
+    """Return the share of what a node leaves that errors of all links explain; 0 where that is not most."""
+    if problem.inverse_dynamics is None:
+        return 0.0
+    regression = problem.inverse_dynamics[2]
+    errors = link_errors(regression, [e for e in regression.entries if e.key in node.keys and not e.shape])
+    return errors.share if errors else 0.0
 
 
 def _distinguishable(problem: Problem) -> Identifiability | None:

@@ -95,7 +95,8 @@ class SearchResult:
     `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
     other, before any search. `jointly`: whether all axes were solved together.
     `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
-    `are_the_laws`: whether the effects are not merely close to the laws of what is missing.
+    `are_the_laws`: whether the effects are not merely close to the laws of what is missing. `by_links`: the
+    share of what they leave that errors of the masses of all links together explain; 0 where it is no most.
     """
 
     model: Model
@@ -116,6 +117,7 @@ class SearchResult:
     linear: Linear | None = None
     trace: tuple[Tried, ...] = ()
     are_the_laws: bool = True
+    by_links: float = 0.0
 
     @property
     def stopped(self) -> Stopped:

@@ -40,6 +40,10 @@ class Normal:
         i = np.asarray(index, int)
         return Normal(self.gram[i[:, None], i], self.right[i], self.square, self.samples)
 
+    def scaled(self, factors: np.ndarray) -> Normal:
+        """Return the equations of unknowns whose columns are multiplied by factors (C,)."""
+        return Normal(self.gram * np.outer(factors, factors), self.right * factors, self.square, self.samples)
+
     def after(self, solution: np.ndarray) -> float:
         """Return the squared residual for given values of the unknowns."""
         return float(self.square - 2.0 * self.right @ solution + solution @ self.gram @ solution)

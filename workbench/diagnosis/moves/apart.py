@@ -1,5 +1,5 @@
-"""Which effects are certain when the unknown part is removed: another part of the motion, or another
-frequency.
+"""Which effects are certain when the unknown part is removed: another part of the motion, another
+frequency, or other masses of the links.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from workbench.effects import effect_named, kinds
 from workbench.models import Model, Placement
 
 from ..adequacy.laws import laws_of
+from ..adequacy.link_errors import link_errors, may_imitate_friction, without_link_errors
 from ..adequacy.part_of_motion import Part, explained_part
 from ..adequacy.strangers import rest_of
 from ..adequacy.tones import without_tones
@@ -43,7 +44,7 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
         if there is None:
             continue
         known = {k: a for k, a in there.known.items() if not may_follow(k)}
-        if set(found.known) < set(known):
+        if {k for k in found.known if not may_follow(k)} < set(known):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
             return replace(there, whole=whole, known=known, apart=True)
     return found
@@ -60,6 +61,10 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
     quiet = without_tones(laws, rest_of(found.whole, data)[0], data)
     if quiet is not None:
         yield quiet.recordings, lambda key: key in quiet.tonal
+    errors = link_errors(found.regression, found.chosen.chosen)
+    guessed = errors and without_link_errors(errors, found.regression, data)
+    if guessed:
+        yield guessed, may_imitate_friction
 
 
 def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
