@@ -68,7 +68,7 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     laws = [e for e in regression.entries if e.key.axis and effect_named(e.key.effect).search.basic]
     laws += [e for e in chosen if e.key.axis and e not in laws and not _is_of_links(e.key)]
     first = [k for e in laws for k in e.linear]
-    columns = np.array([*first, *(k for e in links for k in e.linear)], int)
+    columns = [*first, *(k for e in links for k in e.linear)]
     if len(columns) == len(first):
         return None
     blocks = [total(fold).pick(columns) for fold in regression.folds]
@@ -78,7 +78,7 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     own, eye = np.arange(len(columns)) < len(first), np.eye(len(columns))
     ridge = np.diag(np.where(there, 1e-9, 1.0))
     beside = left_out(blocks, np.diag(np.where(own, 0.0, 1.0)), _PENALTIES, ridge)
-    bare = np.flatnonzero(own)
+    bare = list(range(len(first)))
     alone = left_out([b.pick(bare) for b in blocks], eye[own][:, own], np.zeros(1), ridge[own][:, own])
     noise = float(regression.floor.sum()) * sum(b.samples for b in blocks) / len(regression.floor)
     share = (alone.left - beside.left) / max(alone.left - noise, 1e-300)

@@ -72,14 +72,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
-    parts = [
-        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
-        for k in range(0, len(columns), _BLOCK)
-    ]
-    pieces = [
-        np.concatenate([part[i][own, 1] for part in parts], axis=-1) if parts else np.zeros((len(own), 0))
-        for i, own in enumerate(rows)
-    ]
+    pieces = _filtered(linearisation, columns, rows, data)
     alike = _alike(entries, len(columns), model)
     pieces = [
         np.concatenate(
@@ -111,6 +104,18 @@ def regression_of(start: Fit, data: Data) -> Regression:
         limits | {e: _common([limits[m] for m in e.alike]) for e in alike},
         alike,
     )
+
+
+def _filtered(
+    linearisation: Linearisation, columns: Sequence[SensitivityColumn], rows: Sequence[np.ndarray], data: Data
+) -> list[np.ndarray]:
+    """Return what columns add to the torque of each recording, filtered, on some of its rows (M, n, C)."""
+    out = [[np.zeros((len(own), linearisation.model.size, 0))] for own in rows]
+    for k in range(0, len(columns), _BLOCK):
+        (parts,) = propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)
+        for there, part, own in zip(out, parts, rows, strict=True):
+            there.append(part[own, 1])
+    return [np.concatenate(there, axis=-1) for there in out]
 
 
 def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:

@@ -1,0 +1,83 @@
+"""An arm whose masses are guesses: errors of all links together are set apart, and friction is what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import AXES, FAST, SLOW, bench_arm, logged
+from tests.diagnosis.rig import asked
+from workbench.core import EffectKey
+from workbench.diagnosis.adequacy.link_errors import (
+    LinkErrors,
+    link_errors,
+    may_imitate_friction,
+    without_link_errors,
+)
+from workbench.diagnosis.moves.joint_fit import freed_of
+from workbench.diagnosis.problem import Problem
+from workbench.diagnosis.screening.torque_columns import regression_of
+from workbench.diagnosis.screening.torque_regression import Regression
+from workbench.effects import load_model
+
+TRUE = {
+    "upper_mass": 3.4, "upper_centre": 0.12, "upper_inertia": 0.035, "upper_roll": 0.02,
+    "fore_mass": 0.8, "fore_centre": 0.19, "fore_across": 0.03, "fore_inertia": 0.012,
+}  # fmt: skip
+FRICTION = np.array([0.6, 0.9, 0.4])
+
+
+def resisting(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Dry friction on all axes."""
+    return -FRICTION * np.tanh(speed / 0.002)
+
+
+def found(folder: Path, **numbers: float) -> tuple[Problem, Regression, LinkErrors | None]:
+    """Errors of all links where a machine has friction that its model lacks, and other numbers."""
+    machine = bench_arm(folder, "machine", **numbers)
+    logs = [logged(machine, t, seconds=5.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
+    problem = asked(load_model(bench_arm(folder, "model")), logs)
+    assert problem.inverse_dynamics is not None
+    regression = problem.inverse_dynamics[2]
+    return problem, regression, link_errors(regression, ())
+
+
+def friction_in(regression: Regression) -> tuple[np.ndarray, np.ndarray]:
+    """Sizes of Coulomb friction on all axes, solved alone, and what they leave of the torque on each."""
+    keys = [EffectKey("coulomb_friction", axis) for axis in AXES]
+    chosen = tuple(e for e in regression.entries if e.key in keys)
+    return regression.solved(chosen).coefficients, regression.left(chosen) / regression.floor
+
+
+def test_friction_is_what_it_is_without_them(tmp_path: Path) -> None:
+    problem, regression, errors = found(tmp_path, **TRUE)
+    assert problem.inverse_dynamics is not None and errors is not None and 0.98 < errors.share <= 1.0
+    data, start, _ = problem.inverse_dynamics
+    sizes, before = friction_in(regression)
+    assert abs(sizes[1] - FRICTION[1]) > 0.3
+    freed = without_link_errors(errors, regression, data)
+    assert freed is not None
+    there, begun = freed_of(start, freed, data, seed=0)
+    sizes, left = friction_in(regression_of(begun, there))
+    assert sizes == pytest.approx(FRICTION, rel=0.06)
+    assert (left < 0.15 * before).all()
+
+
+def test_where_masses_are_right_there_are_none(tmp_path: Path) -> None:
+    assert found(tmp_path)[2] is None
+
+
+@pytest.mark.parametrize(
+    ("effect", "imitated"),
+    [
+        ("coulomb_friction", False),
+        ("viscous_damping", False),
+        ("reflected_inertia", True),
+        ("cogging", True),
+        ("torque_bias", True),
+    ],
+)
+def test_only_friction_knows_a_direction(effect: str, imitated: bool) -> None:
+    assert may_imitate_friction(EffectKey(effect, "lift")) == imitated
