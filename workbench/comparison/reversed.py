@@ -66,7 +66,7 @@ def reversed_torques(model: Model, recordings: Sequence[Recording]) -> Reversed 
         return None
     try:
         before = torque_left(model, some)
-        after = torque_left(model, [r.with_signals(**{name: -r.signals[name]}) for r in some])
+        after = torque_left(model, [r.with_signals(**{name: -r.signals[name]}) for r in some], some)
     except SimulationError:
         return None
     plain = _is_plain(after, before)

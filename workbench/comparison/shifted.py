@@ -53,7 +53,7 @@ def shifted_axes(model: Model, recordings: Sequence[Recording]) -> Shifted | Non
     def moves(wrong: Sequence[int]) -> Iterator[tuple[int, ...]]:
         return _moves(model.size, turning)
 
-    found = best_change(model, recordings, moves, _moved, lambda move: slice(None))
+    found = best_change(model, recordings, moves, _moved, lambda move: slice(None), in_place=True)
     if found is None:
         return None
     angles = np.where(np.array(found.change) == 3, -1, found.change) * np.pi / 2

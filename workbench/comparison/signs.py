@@ -87,7 +87,7 @@ def turned_axes(model: Model, recordings: Sequence[Recording]) -> Turned | None:
             return None
         axes, sides = some[0].axes, ((True, True), (True, False), (False, True))
         turns = [Turn(axis, *side) for axis in axes[: model.size] for side in sides]
-        left = {turn: torque_left(model, [turn.of(r) for r in some]) for turn in turns}
+        left = {turn: torque_left(model, [turn.of(r) for r in some], some) for turn in turns}
     except SimulationError:
         return None
     good = {turn: float(np.log(x).sum()) for turn, x in left.items() if _explains(x, before)}

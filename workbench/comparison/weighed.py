@@ -46,6 +46,8 @@ def best_change(
     changes: Callable[[Sequence[int]], Iterable[Change]],
     made: Callable[[Recording, Change], Recording],
     axes: Callable[[Change], Sequence[int] | slice],
+    *,
+    in_place: bool = False,
 ) -> Changed[Change] | None:
     """Return the change of columns after which the model explains the torque; None if none is needed or none
     explains it.
@@ -56,6 +58,7 @@ def best_change(
         changes: those to try, by the axes whose torque is not explained.
         made: a recording after a change.
         axes: those of which the torque has to be explained by it.
+        in_place: whether each axis keeps its own sensors, and so their noise.
     """
     some = recordings[:_SOME]
     if not is_weighable(model, some) or model.size > _MOST_AXES:
@@ -63,7 +66,11 @@ def best_change(
     try:
         before = torque_left(model, some)
         wrong = np.flatnonzero(before > _BAD).tolist()
-        tried = [(c, torque_left(model, [made(r, c) for r in some])) for c in changes(wrong)] if wrong else []
+        like = some if in_place else None
+        tried = [
+            (c, torque_left(model, [made(r, c) for r in some], like))
+            for c in (changes(wrong) if wrong else ())
+        ]
     except SimulationError:
         return None
     good = [
@@ -93,23 +100,30 @@ def is_weighable(model: Model, recordings: Sequence[Recording]) -> bool:
     )
 
 
-def torque_left(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
+def torque_left(
+    model: Model, recordings: Sequence[Recording], like: Sequence[Recording] | None = None
+) -> np.ndarray:
     """Return the share (n,) of each drive's squared torque that the model does not need along the measured
     motion.
 
     Friction and an offset of the torque are fitted away: they are what models lack most often, and what a
     wrong sign or unit must not be taken for.
 
+    Args:
+        model: what is believed.
+        recordings: with a torque.
+        like: recordings with the same noise of positions and speeds, which was estimated already.
+
     Raises:
         SimulationError: a model that no body can be.
     """
-    return _left(compile_plant(model), recordings)
+    return _left(compile_plant(model), recordings, recordings if like is None else like)
 
 
-def _left(plant: Plant, recordings: Sequence[Recording]) -> np.ndarray:
+def _left(plant: Plant, recordings: Sequence[Recording], like: Sequence[Recording]) -> np.ndarray:
     sums = np.zeros((2, plant.model.size))
-    for r in recordings:
-        measured, needed, valid = torque_pair(plant, r, None, noise_levels(r))
+    for r, alike in zip(recordings, like, strict=True):
+        measured, needed, valid = torque_pair(plant, r, None, noise_levels(alike))
         logged = r.get("velocity")
         speed = np.gradient(r.position, r.period, axis=0) if logged is None else logged
         speed = speed if r.coordinates == "actuator" else speed @ plant.model.transmission.T

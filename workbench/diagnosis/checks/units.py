@@ -92,8 +92,9 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
         before = float(np.mean(torque_left(model, some)))
         if before <= POLICY.unit_error:
             return
+        like = {kind: some if kind == "torque" else None for kind in guessed}
         tried = {
-            (kind, f): float(np.mean(torque_left(model, [_scaled(r, kind, f) for r in some])))
+            (kind, f): float(np.mean(torque_left(model, [_scaled(r, kind, f) for r in some], like[kind])))
             for kind in sorted(guessed)
             for named, _ in _NAMED[kind]
             for f in (named, 1.0 / named)
