@@ -28,18 +28,19 @@ def pendulums(folder: Path, name: str, damping: float) -> Path:
     return file
 
 
-def told(folder: Path, stranger: Callable[[float, float], float]) -> Diagnosis:
-    """Damping is 0.5 on all and 1.2 in the model; what resists the first one besides is in no catalogue."""
+def told(
+    folder: Path, stranger: Callable[[float, float], float], damping: float = 1.2, motions=(SLOW, FAST)
+) -> Diagnosis:
+    """Damping is 0.5 on all, larger in the model; what resists the first one besides is in no catalogue."""
     machine = pendulums(folder, "machine", 0.5)
 
     def resisting(q: np.ndarray, w: np.ndarray) -> np.ndarray:
         return np.array([stranger(q[0], w[0]), 0.0, 0.0])
 
     logs = [
-        logged(machine, tones, seconds=5.0, seed=k, resisting=resisting)
-        for k, tones in enumerate((SLOW, FAST))
+        logged(machine, tones, seconds=5.0, seed=k, resisting=resisting) for k, tones in enumerate(motions)
     ]
-    return diagnose(load_model(pendulums(folder, "model", 1.2)), logs)
+    return diagnose(load_model(pendulums(folder, "model", damping)), logs)
 
 
 def test_three_that_are_alike_have_one_size(tmp_path: Path) -> None:
@@ -69,3 +70,14 @@ def test_a_stranger_that_changes_a_law_s_size_takes_its_name(
         change = finding.parameters["damping"]
         assert change.value == pytest.approx(-0.7, abs=1.96 * change.std)
         assert str(finding.key) == "viscous_damping@yaw" or change.value == pytest.approx(-0.7, rel=0.02)
+
+
+def test_a_model_s_own_damping_is_no_load(tmp_path: Path) -> None:
+    """Of slow motion twenty times too much of it is nearly all torque that the model needs.
+
+    A free curve over that must not take its place, or its interval would be three times as wide.
+    """
+    found = told(tmp_path, lambda q, w: -0.15 * w**2, damping=10.0, motions=(SLOW, SLOW))
+    (change,) = (f.parameters["damping"] for f in found.findings if str(f.key) == "viscous_damping@yaw")
+    assert change.value == pytest.approx(-9.5, abs=0.07)
+    assert change.std < 0.09

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.effects import effect_named, kinds, places
+from workbench.effects import EFFECTS, Motion, effect_named, kinds, model_value, places
 from workbench.models import AppliedEffect, Placement, alike_axes
 
 from ..data import Data
@@ -110,6 +110,7 @@ def _axis(
     """Return one coordinate of all recordings, on the rows that count there."""
     laws, rest, own, others, which = [], [], [], [], []
     motions = needing(linearisation)
+    braking = _own_friction(linearisation, motions, place)
     for i, (motion, loop) in enumerate(zip(motions, linearisation.loops, strict=True)):
         back = np.linalg.inv(loop.reading.to_actuator)
         if place.location == "joint":
@@ -121,7 +122,7 @@ def _axis(
         laws.append(np.einsum("knc,n->kc", acts[i][rows][:, :, here], scale * onto))
         rest.append(data.residual(i, found.simulated[i])[rows, 1] @ onto)
         position, speed, acceleration = motion.along(place)
-        load = motion.torque @ (
+        load = (motion.torque + braking[i]) @ (
             linearisation.model.transmission if place.location == "joint" else np.eye(len(onto))
         )
         known = dict(zip(_QUANTITIES, (position, speed, acceleration, load[:, place.index]), strict=True))
@@ -139,6 +140,24 @@ def _axis(
         {**others_of, "time": np.arange(len(numbers), dtype=float)},
         numbers,
     )
+
+
+def _own_friction(
+    linearisation: Linearisation, motions: Sequence[Motion], place: Placement
+) -> list[np.ndarray]:
+    """Return what the model's own damping and Coulomb friction at a place do in each recording (N, n).
+
+    What a drive carries is weight and inertia: a load that holds the model's friction says what speed says.
+    """
+    own = [np.zeros_like(m.torque) for m in motions]
+    for effect in (e for e in EFFECTS if e.search.basic and kinds.depends_on(e) == ("speed",)):
+        size = model_value(effect, linearisation.model, place, {})
+        if size:
+            location = "joint" if place.location == "joint" else "actuator"
+            key = EffectKey(effect.name, linearisation.model.axes[place.index], location)
+            (column,) = linearisation.columns(key, {}, motions)[0]
+            own = [torque + size * part for torque, part in zip(own, column.torque, strict=True)]
+    return own
 
 
 def _together(
