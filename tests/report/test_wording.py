@@ -241,6 +241,14 @@ def test_what_explains_most_is_first_and_doubt_is_told(diagnosis) -> None:
     assert "not sure" not in sentence(replace(diagnosis, findings=(missing,)))
 
 
+def test_an_improvement_tells_what_is_not_sure(improvement) -> None:
+    assert "not sure" not in sentence(improvement)
+    (first, *_) = improvement.diagnosis.findings
+    doubted = replace(first, probability=0.31, indistinguishable_from=())
+    told = sentence(replace(improvement, diagnosis=replace(improvement.diagnosis, findings=(doubted,))))
+    assert "Coulomb friction on the knee drive" in told and "(not sure: 31 % probable)" in told
+
+
 def test_what_stays_of_the_error_is_told_above_the_noise(diagnosis, comparison) -> None:
     """One number that is far off makes all else look small."""
     noise = comparison.noise_error

@@ -83,9 +83,11 @@ def improvement_sentence(result: Improvement) -> str:
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds the closest effects)."
     kept = result.kept
     phrase = sized_phrase if len(kept) == 1 else sized_in_list
-    sized = [phrase(s.key, s.parameters) for s in kept]
-    added = any_of(sized, "and") if len(kept) < 4 else ""
-    added = added or f"{_count(len(kept))} effects"
+    doubts = {f.key: _or(f) for f in result.diagnosis.findings} if result.diagnosis is not None else {}
+    sized = [phrase(s.key, s.parameters) + doubts.get(s.key, "") for s in kept]
+    unsure = sum(bool(doubts.get(s.key)) for s in kept)
+    many = f"{_count(len(kept))} effects" + (f" ({_count(unsure)} of them not sure)" if unsure else "")
+    added = any_of(sized, "and") if len(kept) <= _FEW else many
     if result.verdict == "consistent":
         outlier = result.after.outlier if result.after is not None else None
         but = f" as a whole ({outlier_phrase(outlier)})" if outlier is not None else ""
