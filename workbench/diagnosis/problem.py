@@ -94,9 +94,14 @@ class Problem:
         return fresh, starting_fit(model, fresh, runs.clean)
 
     @property
+    def has_many_axes(self) -> bool:
+        """Return whether there are more axes than a search adds effects, so that screening takes long."""
+        return self.start.hypothesis.model.size > POLICY.most_effects
+
+    @property
     def is_expensive(self) -> bool:
-        """Return whether screening in the loop is expensive: more axes than a search adds effects."""
-        return self.data.replay.simulates and self.start.hypothesis.model.size > POLICY.most_effects
+        """Return whether screening in the loop is expensive."""
+        return self.data.replay.simulates and self.has_many_axes
 
     @cached_property
     def linear(self) -> Linear | None:

@@ -95,7 +95,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         first,
         asked.runs,
         node.steps,
-        () if before or only_jointly or (node.jointly and problem.is_expensive) else problem.screened,
+        () if before or only_jointly or (node.jointly and problem.has_many_axes) else problem.screened,
         before,
         done,
         explained(first, start, current, data),
