@@ -20,6 +20,7 @@ from ..adequacy.strangers import rest_of
 from ..adequacy.tones import without_tones
 from ..data import Data
 from ..hypothesis import Fit
+from ..node import is_consistent
 from ..problem import evaluated
 from ..screening.torque_columns import regression_of
 from .joint_fit import Certain, certain_of, freed_of
@@ -29,8 +30,8 @@ Apart = tuple[Sequence[Recording], Callable[[EffectKey], bool]]
 
 
 def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
-    """Return the certain effects found with the unknown part removed, if there are more; otherwise what was
-    found.
+    """Return the certain effects found with the unknown part removed, if there are more, or if noise is all
+    that is left then; otherwise what was found.
 
     Args:
         found: from all rows and all torques.
@@ -44,7 +45,8 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
         if there is None:
             continue
         known = {k: a for k, a in there.known.items() if not may_follow(k)}
-        if {k for k in found.known if not may_follow(k)} < set(known):
+        before = {k for k in found.known if not may_follow(k)}
+        if before < set(known) or (before == set(known) and is_consistent(freed, there.whole.mean_squares)):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
             return replace(there, whole=whole, known=known, apart=True)
     return found
