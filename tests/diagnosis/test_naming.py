@@ -10,18 +10,21 @@ import numpy as np
 import pytest
 
 import workbench as wb
+from tests.bench_arm import bench_arm
 from tests.rotor import pushed, torn
-from workbench.core import EffectKey, Recording
+from workbench.core import EffectKey, Estimate, Recording
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.fitting.refinement import with_candidate
 from workbench.diagnosis.hypothesis import Fit, applied_effect
-from workbench.diagnosis.naming import named_beside
+from workbench.diagnosis.naming import link_instead, named_beside
 from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.candidate import Candidate
 from workbench.diagnosis.screening.command_path import off_command_path
 from workbench.diagnosis.screening.screen import screen
 from workbench.diagnosis.screening.sensitivity import Linearisation
+from workbench.effects import load_model
+from workbench.models import AppliedEffect
 
 _LINE, _LIMIT = EffectKey("speed_torque_limit", "m"), EffectKey("torque_saturation", "m")
 
@@ -109,3 +112,13 @@ def test_a_fit_that_leaves_what_the_channel_shows_is_known(tmp_path: Path) -> No
     values = {**own.values, "no_load_speed": 1.25 * own.values["no_load_speed"]}
     other = replace(found.hypothesis, free=(applied_effect(linearisation.model, own, values),))
     assert off_command_path(linearisation, line, replace(found, hypothesis=other))
+
+
+@pytest.mark.parametrize(
+    ("more", "told"), [({}, ()), ({"moment_x": 0.01}, (EffectKey("first_moment_error", "bend"),))]
+)
+def test_a_body_at_a_site_may_be_other_numbers_of_its_link(tmp_path: Path, more, told) -> None:
+    """A point that explains as much with one number is no link whose three are wrong."""
+    values = {name: Estimate(x, 0.0, "") for name, x in {"mass": 0.5, **more}.items()}
+    payload = AppliedEffect(EffectKey("payload_mass", None, site="tip"), values)
+    assert link_instead(load_model(bench_arm(tmp_path)), payload) == told

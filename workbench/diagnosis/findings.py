@@ -17,6 +17,7 @@ from workbench.report.wording import effect_phrase
 from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, finding_lines
 from .hypothesis import Fit
 from .loss import test_noise_floor
+from .naming import link_instead
 from .policy import POLICY
 from .removed_share import HeldOutFall, removed_share
 from .screening.compliance import other_causes
@@ -38,7 +39,13 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
         step, previous = found.steps[index], _before(found, index)
         fall = _held_out_fall(found, index, held_out_floor)
         same = inseparable(found.linear, applied, found.model) if found.linear else ()
-        rivals = dict.fromkeys((*step.indistinguishable_at(found.final), *(k for k in same if k not in keys)))
+        rivals = dict.fromkeys(
+            (
+                *step.indistinguishable_at(found.final),
+                *(k for k in same if k not in keys),
+                *link_instead(found.model, applied),
+            )
+        )
         findings.append(
             Finding(
                 key=applied.key,

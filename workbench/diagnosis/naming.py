@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import EFFECTS, Effect, contains, effect_named, kinds, own_dry_friction
-from workbench.models import Model, Placement
+from workbench.effects import EFFECTS, Effect, contains, effect_named, kinds, link_with, own_dry_friction
+from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import scored_torque
 
 from .data import Data
@@ -72,6 +72,15 @@ def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]
     if all(scored_torque(r) != "torque_measured" for r in recordings):
         twins = (*twins, *kinds.late_alike(effect, EFFECTS))
     return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
+
+
+def link_instead(model: Model, applied: AppliedEffect) -> tuple[EffectKey, ...]:
+    """Return the link that carries a body with a centre of its own: other numbers of the link do the same."""
+    effect = effect_named(applied.key.effect)
+    _, form = effect.parameters.to_coefficients(applied.values)
+    site = effect.site(model) if effect.parameters.is_extended(form) else None
+    axis = None if site is None else link_with(model, site)
+    return () if axis is None else (EffectKey("first_moment_error", axis),)
 
 
 def _rests_of(effect: Effect, model: Model, key: EffectKey) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
-from .links import link_of
+from .links import link_of, link_with
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
 from .parameter import Parameter, Parameters, Values
 from .passage import Passage
@@ -82,6 +82,7 @@ __all__ = [
     "law",
     "link_inertia",
     "link_of",
+    "link_with",
     "load_model",
     "model_value",
     "open_text",

@@ -54,6 +54,18 @@ def link_of(model: Model, axis: str | None) -> Link | None:
     return links[model.axes.index(axis)]
 
 
+def link_with(model: Model, site: str) -> str | None:
+    """Return the axis whose link carries a site; None if the site is on no link."""
+    body = load_tree(model.links[0]).site(site).parent
+    links = dict(zip(model.axes, _links(*model.links, model.payload_site), strict=True))
+    while body is not None:  # what is welded to a link is a part of it
+        for axis, link in links.items():
+            if link is not None and link.body == body.name:
+                return axis
+        body = body.parent
+    return None
+
+
 def link_at(model: Model, place: Placement) -> Link:
     """Return the link of a place where an effect of links applies."""
     link = link_of(model, model.axes[place.index])
