@@ -28,7 +28,7 @@ def _friction(changes: float, *, missing: bool = False, seed: int) -> Adequacy:
 
 
 @pytest.mark.parametrize("seed", [1, 3, 6, 7])
-def test_a_recording_that_turns_one_way_says_nothing_of_friction(seed: int) -> None:
+def test_turning_one_way_says_nothing_of_friction(seed: int) -> None:
     """There a constant torque does the same, and the unknown one decides between them."""
     assert _friction(1e-3, seed=seed).size > 0.9
 
