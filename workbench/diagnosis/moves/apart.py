@@ -46,7 +46,8 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
             continue
         known = {k: a for k, a in there.known.items() if not may_follow(k)}
         before = {k for k in found.known if not may_follow(k)}
-        if before < set(known) or (before == set(known) and is_consistent(freed, there.whole.mean_squares)):
+        alike = bool(known) and before == set(known)
+        if before < set(known) or (alike and is_consistent(freed, there.whole.mean_squares)):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
             return replace(there, whole=whole, known=known, apart=True)
     return found
@@ -72,10 +73,13 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
 def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
     """Return whether an effect may follow another torque on a part of the motion.
 
-    A constant does, and a law of the position by which the part is known.
+    A constant does, a law of the position by which the part is known, and what one link's weight does. A body
+    that several axes carry does not.
     """
     depends, place = kinds.depends_on(effect_named(key.effect)), Placement.of(model, key)
-    if not depends or place is None:
+    if place is None:
+        return False
+    if not depends:
         return True
     turned = np.flatnonzero(np.abs(place.row @ np.linalg.inv(model.transmission)) > 1e-12)
     return "position" in depends and bool(part.drives & set(turned.tolist()))
