@@ -67,10 +67,8 @@ def best_change(
         before = torque_left(model, some)
         wrong = np.flatnonzero(before > _BAD).tolist()
         like = some if in_place else None
-        tried = [
-            (c, torque_left(model, [made(r, c) for r in some], like))
-            for c in (changes(wrong) if wrong else ())
-        ]
+        those = changes(wrong) if wrong else ()
+        tried = [(c, torque_left(model, [made(r, c) for r in some], like)) for c in those]
     except SimulationError:
         return None
     good = [

@@ -44,11 +44,6 @@ class LinkErrors:
     share: float
 
 
-def link_entries(regression: Regression) -> Chosen:
-    """Return entries of all masses, centres and inertias of links, in all forms."""
-    return tuple(e for e in regression.entries if e.key.axis and _is_of_links(e.key))
-
-
 def may_imitate_friction(key: EffectKey) -> bool:
     """Return whether errors of the links may do what an effect does; only friction knows a direction."""
     return "speed" not in kinds.depends_on(effect_named(key.effect))
@@ -64,7 +59,7 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     Returns:
         None where they explain less than `POLICY.unknown_most` of what the others leave.
     """
-    links = link_entries(regression)
+    links = tuple(e for e in regression.entries if e.key.axis and _is_of_links(e.key))  # in all forms
     laws = [e for e in regression.entries if e.key.axis and effect_named(e.key.effect).search.basic]
     laws += [e for e in chosen if e.key.axis and e not in laws and not _is_of_links(e.key)]
     first = [k for e in laws for k in e.linear]
