@@ -10,6 +10,7 @@ import pytest
 from tests.bench_arm import AXES, FAST, SLOW, bench_arm, logged
 from tests.diagnosis.rig import asked
 from workbench.core import EffectKey
+from workbench.diagnosis import diagnose
 from workbench.diagnosis.adequacy.link_errors import (
     LinkErrors,
     link_errors,
@@ -63,6 +64,17 @@ def test_friction_is_what_it_is_without_them(tmp_path: Path) -> None:
     sizes, left = friction_in(regression_of(begun, there))
     assert sizes == pytest.approx(FRICTION, rel=0.06)
     assert (left < 0.15 * before).all()
+
+
+def test_the_answer_says_how_much_of_the_rest_they_explain(tmp_path: Path) -> None:
+    """Friction is named beside wrong numbers of links, and the rest is said to be theirs."""
+    machine = bench_arm(tmp_path, "machine", **TRUE, fore_roll=0.02)
+    logs = [logged(machine, t, seconds=8.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
+    told = diagnose(load_model(bench_arm(tmp_path, "model")), logs)
+    named = {f.key.axis: f.parameters["torque"] for f in told.findings if f.key.effect == "coulomb_friction"}
+    for axis, true in zip(AXES, FRICTION, strict=True):
+        assert named[axis].value == pytest.approx(true, rel=0.05)
+    assert any("of all links together explain" in line for line in told.evidence)
 
 
 def test_where_masses_are_right_there_are_none(tmp_path: Path) -> None:
