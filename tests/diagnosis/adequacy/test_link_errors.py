@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,8 @@ from workbench.diagnosis.adequacy.link_errors import (
     may_imitate_friction,
     without_link_errors,
 )
-from workbench.diagnosis.moves.joint_fit import freed_of
+from workbench.diagnosis.moves.apart import certain_apart
+from workbench.diagnosis.moves.joint_fit import certain_of, freed_of
 from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.torque_columns import regression_of
 from workbench.diagnosis.screening.torque_regression import Regression
@@ -75,6 +77,17 @@ def test_the_answer_says_how_much_of_the_rest_they_explain(tmp_path: Path) -> No
     for axis, true in zip(AXES, FRICTION, strict=True):
         assert named[axis].value == pytest.approx(true, rel=0.05)
     assert any("of all links together explain" in line for line in told.evidence)
+
+
+def test_friction_is_certain_once_they_are_set_apart(tmp_path: Path) -> None:
+    problem, regression, _ = found(tmp_path, **TRUE)
+    assert problem.inverse_dynamics is not None
+    data, start, _ = problem.inverse_dynamics
+    chosen = certain_of(regression, start, data, whatever_is_left=True)
+    assert chosen is not None
+    certain = certain_apart(replace(chosen, known={}), start, data, seed=0)
+    assert certain.apart and {EffectKey("coulomb_friction", axis) for axis in AXES} <= set(certain.known)
+    assert not any(may_imitate_friction(key) for key in certain.known)
 
 
 def test_where_masses_are_right_there_are_none(tmp_path: Path) -> None:
