@@ -15,8 +15,9 @@ from workbench.simulation import Disturbance, SensorNoise
 
 from .band import corner_hz
 from .counted_rows import moving
+from .follower import Follower
 from .inverse import cutoff_hz
-from .measured_motion import FilteredRecording, Follower, read_motion
+from .measured_motion import FilteredRecording, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .replay import Replay
 from .simulated import Simulated

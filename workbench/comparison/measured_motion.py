@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from hashlib import sha256
 
 import mujoco
@@ -15,14 +14,11 @@ from workbench.core import Recording
 from workbench.effects import Motion, Plant, SensorErrors, giving_way
 from workbench.recordings import NoiseLevels
 from workbench.simulation import (
-    Disturbance,
     Track,
-    interpolate,
     motion_of,
     required_torque,
     rigid_torque,
     scored_torque,
-    slopes,
     smooth_track,
     true_motion,
 )
@@ -83,8 +79,16 @@ class FilteredRecording:
     def late(self, plant: Plant) -> np.ndarray:
         """Return what a delay of the measured torque by one row removes (N, n); zero if not allowed."""
         rest, late = self._rest(plant)
-        shift = self._shift(rest, late)
-        return np.where(self.counts & (shift > _EARLY) & (shift < _LATE), late, 0.0)
+        return np.where(self.counts & in_time(self._shift(rest, late)), late, 0.0)
+
+    def beyond_time(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+        """Return measured minus required torque, and what a delay by one row removes of it, (N, n) each.
+
+        Where the whole difference looks like a shift in time that no log has; zero elsewhere.
+        """
+        rest, late = self._rest(plant)
+        there = self.counts & ~in_time(self._shift(rest, late))
+        return np.where(there, rest, 0.0), np.where(there, late, 0.0)
 
     def free_start(self, plant: Plant) -> FreeStart:
         """Return what unknown initial states of springs may contribute, in own coordinates."""
@@ -146,6 +150,11 @@ class FilteredRecording:
         return self._rigid[key]
 
 
+def in_time(shift: np.ndarray) -> np.ndarray:
+    """Return whether a log may show torques so late [rows]: those at a row, or those until the next one."""
+    return (shift > _EARLY) & (shift < _LATE)
+
+
 def _unblurred(tap: np.ndarray) -> np.ndarray:
     """A torque (N, n) that is the mean of two rows, with what the mean takes of fast changes put back.
 
@@ -171,61 +180,6 @@ def read_motion(
     assert name is not None
     whole = np.ones_like(track.position, bool)
     return FilteredRecording(recording, track, to_actuator, name, corner_hz, whole)
-
-
-@dataclass(frozen=True)
-class Follower:
-    """Changes of the torque that a model needs along one track."""
-
-    reading: FilteredRecording
-    plant: Plant
-    motion: Motion
-
-    def respond(self, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
-        """Return the change of position (zero) and of the required torque, filtered, (N, n, C) each."""
-        torque = np.array(disturbance.torque)
-        if self.reading.name == "torque_measured":
-            # what lies between command and tap was measured, whatever the model says of it
-            torque[list(disturbance.taps)] = 0.0
-        for column, part in disturbance.readings.items():
-            torque[column] += self._shifted(part[0])
-        needed = -np.moveaxis(torque / np.maximum(self.motion.gain, LEAST_GAIN), 0, -1)
-        # most columns act on one axis alone
-        passed, acts = np.zeros_like(needed), np.any(needed, axis=0)
-        passed[:, acts] = lowpass(needed[:, acts], self.reading.recording, self.reading.corner_hz)
-        passed = self._free.without(np.einsum("kjc,ji->kic", passed, self.reading.to_actuator))
-        return np.zeros_like(passed), self._timed(passed)
-
-    def _timed(self, columns: np.ndarray) -> np.ndarray:
-        """Columns (N, n, C), in own coordinates, without what a shift of the torque in time would take up."""
-        late = self._late
-        size = np.maximum(np.sum(late**2, axis=0), 1e-300)
-        out = np.where(self.reading.counts[:, :, None], columns, 0.0)
-        return out - late[:, :, None] * (np.einsum("ki,kic->ic", late, out) / size[:, None])
-
-    @cached_property
-    def _late(self) -> np.ndarray:
-        return self.reading.late(self.plant)
-
-    @cached_property
-    def _free(self) -> FreeStart:
-        return self.reading.free_start(self.plant)
-
-    def _shifted(self, position: np.ndarray) -> np.ndarray:
-        """Torque (N, n) that a change of what the encoders read stands for."""
-        step = self.reading.recording.period
-        back = np.linalg.inv(self.plant.model.transmission)
-        rate = np.gradient(position, step, axis=0)
-        state = [x @ back.T @ self.plant.lift.T for x in (np.gradient(rate, step, axis=0), rate, position)]
-        whole = np.sum([np.einsum("kij,kj->ki", s, x) for s, x in zip(self._slopes, state, strict=True)], 0)
-        return whole @ self.plant.lift @ back
-
-    @cached_property
-    def _slopes(self) -> list[np.ndarray]:
-        m = self.motion
-        track = Track(m.position, m.velocity, m.acceleration)
-        rows, *parts = slopes(self.plant, track, m.step)
-        return [interpolate(rows, p, len(m.position)) for p in parts]
 
 
 def true_track(track: Track, errors: SensorErrors, period: float) -> Track:

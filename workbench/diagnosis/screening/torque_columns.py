@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.comparison import in_time
 from workbench.core import EffectKey
 from workbench.effects import Compliance, OnGround, SignalStage, Values, effect_named, kinds, places
 from workbench.models import Model, Placement, alike_axes
@@ -84,6 +85,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
         (data.residual(i, run) * data.weight)[own, 1]
         for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
     ]
+    for i, kept in enumerate(rows):
+        _timed(linearisation, i, kept, pieces[i], residuals[i], data)
     folds = []
     for fold in data.folds:
         i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
@@ -116,6 +119,31 @@ def _filtered(
         for there, part, own in zip(out, parts, rows, strict=True):
             there.append(part[own, 1])
     return [np.concatenate(there, axis=-1) for there in out]
+
+
+def _timed(
+    linearisation: Linearisation,
+    index: int,
+    rows: np.ndarray,
+    pieces: np.ndarray,
+    rest: np.ndarray,
+    data: Data,
+) -> None:
+    """Take what a shift of the torque in time would take up off columns (M, n, C) and residuals (M, n).
+
+    A log may show its torque late by a part of a row. By how much is told beside all laws that may be
+    missing: a weight that is wrong looks like many rows. What is many rows beside them is no part of the log.
+    """
+    loop, weight = linearisation.loops[index], data.weight[1]
+    whole, late = (x[rows] * weight for x in loop.reading.beyond_time(loop.plant))
+    for axis in np.flatnonzero(np.any(late, axis=0)):
+        own, x = late[:, axis], pieces[:, axis]
+        both = np.column_stack([own, x[:, np.any(x, axis=0)]])
+        size = np.linalg.norm(both, axis=0)
+        shift = np.linalg.lstsq(both / size, whole[:, axis], rcond=1e-6)[0][0] / size[0]
+        if in_time(shift):
+            rest[:, axis] = whole[:, axis] - own * (own @ whole[:, axis]) / size[0] ** 2
+            x -= own[:, None] * (own @ x / size[0] ** 2)
 
 
 def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:
