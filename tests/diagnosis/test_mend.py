@@ -55,6 +55,8 @@ def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch
     assert mend_lines(model, [], [damping]) == (
         f"correct arm.xml, line {line}: damping of lift is 0.5 and should be 0.8",
     )
+    [unsure] = mend_lines(model, [], [replace(damping, probability=0.72)])
+    assert unsure.endswith("damping of lift is 0.5 and should be 0.8 (72 % probable)")
     mass = found("first_moment_error", "lift", "first moment", None, along=0.03 * 2.4, across=0.0)
     [told] = mend_lines(model, [], [mass])
     assert told.startswith(

@@ -33,15 +33,20 @@ def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence
         findings: of a diagnosis.
 
     Returns:
-        One sentence per number; none for effects that are missing, where another cause is likelier, or where
-        the file cannot be told.
+        One sentence per number, with its probability where one more experiment is advised; none for effects
+        that are missing, where another cause is likelier, or where the file cannot be told.
     """
     lines = list[str]()
     for finding in (f for f in findings if not f.is_doubtful):
+        sure = (
+            ""
+            if finding.probability >= POLICY.doubtful
+            else f" ({100.0 * finding.probability:.0f} % probable)"
+        )
         if finding.key.effect == _GAINS:
-            lines += _gains(model, recordings, finding)
+            lines += (line + sure for line in _gains(model, recordings, finding))
         elif finding.number and finding.model_value != 0.0:
-            lines += _of_model(model, finding)
+            lines += (line + sure for line in _of_model(model, finding))
     return tuple(dict.fromkeys(lines))
 
 
