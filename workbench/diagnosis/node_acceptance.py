@@ -73,12 +73,12 @@ def are_the_laws(node: Node, problem: Problem) -> bool:
     along, added = problem.inverse_dynamics, node.current.hypothesis.added
     if node.jointly or along is None or not node.keys <= {e.key for e in along[2].entries}:
         return True
-    data, start, regression = along
+    data, _, regression = along
     if imitate_another_law(added, regression):
         return False
     model = node.current.hypothesis
     found = evaluated(model, data.run([model.model])[0], data)
-    return all(a.is_adequate for a in adequacies(found, start, data).values())
+    return all(a.is_adequate for a in adequacies(found, regression, data).values())
 
 
 def _named(node: Node, stands: int, problem: Problem) -> int:

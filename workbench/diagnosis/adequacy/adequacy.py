@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.effects import EFFECTS, Motion, effect_named, kinds, model_value, places
+from workbench.effects import EFFECTS, Motion, effect_named, kinds, model_value
 from workbench.models import AppliedEffect, Placement, alike_axes
 
 from ..data import Data
@@ -25,9 +25,11 @@ from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.needed_torque import kept_rows, needing
 from ..screening.propagation import propagate_sensitivities
-from ..screening.sensitivity import Linearisation, SensitivityColumn
+from ..screening.sensitivity import Linearisation
+from ..screening.torque_regression import Regression
 from ..significance import INTERVAL
 from .free_functions import Adequacy, against_free_functions
+from .link_errors import columns_of_links
 from .masses import adequacy_of_mass, multi_axis_law
 
 _QUANTITIES = ("position", "speed", "acceleration", "load")
@@ -46,16 +48,16 @@ class _Axis:
     recording: np.ndarray
 
 
-def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
+def adequacies(found: Fit, regression: Regression, data: Data) -> dict[EffectKey, Adequacy]:
     """Return the adequacy of each sufficiently identifiable effect, as a law of one axis or of a mass on
     several.
 
     Args:
         found: with all effects that were selected, along the measured motion.
-        start: without them.
+        regression: about the model without them.
         data: recordings that are replayed along their measured motion.
     """
-    linearisation = Linearisation.of(start.hypothesis.model, data, start.simulated, len(data.recordings))
+    linearisation = regression.linearisation
     applied = found.hypothesis.free
     columns = [linearisation.total(a, a.values) for a in applied]
     acts = propagate_sensitivities([linearisation], [columns], data)[0]
@@ -78,25 +80,13 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         if not kinds.depends_on(effect_named(a.key.effect)):
             parts = torques
             if a.key.axis is None:  # all that links err by do nearly the same as a body that was added
-                links = propagate_sensitivities([linearisation], [_of_links(linearisation)], data)[0]
+                links = propagate_sensitivities([linearisation], [columns_of_links(regression)], data)[0]
                 parts = [
                     np.concatenate([p, own[:, 1]], axis=-1) for p, own in zip(torques, links, strict=True)
                 ]
             law = multi_axis_law(linearisation, found, data, parts, k, len(applied))
             out[a.key] = adequacy_of_mass(law)
     return out
-
-
-def _of_links(linearisation: Linearisation) -> list[SensitivityColumn]:
-    """Return what errors of the masses of all links would add to the torque."""
-    model, motions = linearisation.model, needing(linearisation)
-    keys = [k for k in places(model) if k.axis and kinds.is_additive(effect_named(k.effect))]
-    return [
-        column
-        for key in keys
-        for shape in effect_named(key.effect).parameters.shapes(motions, model, Placement.of(model, key))
-        for column in linearisation.columns(key, shape, motions)[0]
-    ]
 
 
 def _axis(

@@ -24,6 +24,7 @@ from ..fitting.normal_equations import total
 from ..policy import POLICY
 from ..screening.equations import Entry
 from ..screening.needed_torque import needing
+from ..screening.sensitivity import SensitivityColumn
 from ..screening.torque_regression import Chosen, Regression
 
 _PENALTIES = np.logspace(-8, 0, 9)  # of the links' part, times the mean of its normal equations' diagonal
@@ -34,12 +35,10 @@ class LinkErrors:
     """What errors of all links do.
 
     Attributes:
-        entries: of these, in all forms.
-        sizes: of each of their columns, (L,).
+        sizes: of each of `columns_of_links`, (L,).
         share: of what laws leave, that they explain on folds left out.
     """
 
-    entries: Chosen
     sizes: np.ndarray
     share: float
 
@@ -59,7 +58,7 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     Returns:
         None where they explain less than `POLICY.unknown_most` of what the others leave.
     """
-    links = tuple(e for e in regression.entries if e.key.axis and _is_of_links(e.key))  # in all forms
+    links = _entries_of_links(regression)
     laws = [e for e in regression.entries if e.key.axis and effect_named(e.key.effect).search.basic]
     laws += [e for e in chosen if e.key.axis and e not in laws and not _is_of_links(e.key)]
     first = [k for e in laws for k in e.linear]
@@ -76,10 +75,10 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     bare = list(range(len(first)))
     alone = left_out([b.pick(bare) for b in blocks], eye[own][:, own], np.zeros(1), ridge[own][:, own])
     noise = float(regression.floor.sum()) * sum(b.samples for b in blocks) / len(regression.floor)
-    share = (alone.left - beside.left) / max(alone.left - noise, 1e-300)
+    share = min((alone.left - beside.left) / max(alone.left - noise, 1e-300), 1.0)
     if share < POLICY.unknown_most:
         return None
-    return LinkErrors(links, (beside.whole / size)[len(first) :], share)
+    return LinkErrors((beside.whole / size)[len(first) :], share)
 
 
 def without_link_errors(
@@ -89,10 +88,10 @@ def without_link_errors(
     linearisation, names = regression.linearisation, [scored_torque(r) for r in data.recordings]
     if None in names:
         return None
-    motions = needing(linearisation)
-    columns = [c for e in errors.entries for c in linearisation.columns(e.key, e.shape, motions)[0]]
-    out = []
-    for i, (recording, name, motion) in enumerate(zip(data.recordings, names, motions, strict=True)):
+    columns, out = columns_of_links(regression), []
+    for i, (recording, name, motion) in enumerate(
+        zip(data.recordings, names, linearisation.motions, strict=True)
+    ):
         pushing = sum(size * column.torque[i] for size, column in zip(errors.sizes, columns, strict=True))
         # what pushes the machine is torque that its drives need not give
         given = (
@@ -100,6 +99,18 @@ def without_link_errors(
         )
         out.append(recording.with_signals(**{str(name): given}))
     return tuple(out)
+
+
+def columns_of_links(regression: Regression) -> list[SensitivityColumn]:
+    """Return what errors of the masses of all links, in all forms, add to the torque along the motion."""
+    linearisation = regression.linearisation
+    motions = needing(linearisation)
+    entries = _entries_of_links(regression)
+    return [c for e in entries for c in linearisation.columns(e.key, e.shape, motions)[0]]
+
+
+def _entries_of_links(regression: Regression) -> Chosen:
+    return tuple(e for e in regression.entries if e.key.axis and _is_of_links(e.key))
 
 
 def _is_of_links(key: EffectKey) -> bool:

@@ -62,7 +62,7 @@ def certain_of(
     if whole is None or (is_consistent(data, whole.mean_squares) and not whatever_is_left):
         return whole and Certain(regression, chosen, whole, {})
     others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
-    found = adequacies(whole, start, data)
+    found = adequacies(whole, regression, data)
     known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
     return Certain(regression, chosen, whole, known)
 
