@@ -73,6 +73,7 @@ def logged(
     differences: bool = False,
     resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
     late: int = 0,
+    lag: float = 0.0,
     seed: int = 0,
 ) -> Recording:
     """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor, or from `differences`.
@@ -84,10 +85,10 @@ def logged(
         positions_alone: the log has positions and references.
         speed_noise: what the loop's sensor of speed adds at each tick [rad/s].
         resisting: torque (3,) of something else by position and speed.
-        late: ticks by which the drives are late.
+        late: ticks by which the drives are late; `lag`: time constant of the lift's current [s].
     """
     known = None
-    if resisting is None:
+    if resisting is None and not lag:
         asked = (tones, seconds, log_s, loop_s, held, positions_alone, speed_noise, differences, late, seed)
         known = f"{file.read_text()} {asked}"
         if known in _LOGGED:
@@ -103,24 +104,27 @@ def logged(
         return np.array(whole) * min(1.0, t)
 
     rows, before, coming = [], data.qpos.copy(), deque([np.zeros(3)] * late)
+    given, slow = np.zeros(3), np.array([0.0, lag and np.exp(-m.opt.timestep / lag), 0.0])
     for k in range(count):
         reference = wanted((k // ticks) * log_s if held else k * loop_s)
         q, w = data.qpos.copy(), data.qvel.copy()
         speed = (q - before) / loop_s if differences else w + read.normal(0.0, speed_noise, 3)
         torque, before = KP * (reference - q) - KD * speed, q
         coming.append(torque)
-        given = coming.popleft()
+        wants = coming.popleft()
+        given = np.where(slow > 0.0, given, wants)
         if k % ticks == 0:
             noise = generator.normal(0.0, 1.0, (3, 3)) * [[5e-5], [2e-3], [0.02]]
             rows.append((q + noise[0], w + noise[1], torque, given + noise[2], reference))
         steps = round(loop_s / m.opt.timestep)
         data.qfrc_applied[:] = given
-        if resisting is None:
+        if resisting is None and not lag:
             mujoco.mj_step(m, data, steps)
             continue
         for _ in range(steps):
-            data.qfrc_applied[:] = given + resisting(data.qpos, data.qvel)
+            data.qfrc_applied[:] = given + (resisting(data.qpos, data.qvel) if resisting else 0.0)
             mujoco.mj_step(m, data)
+            given = wants + slow * (given - wants)
     names = "position", "velocity", "torque_command", "torque_measured", "position_reference"
     signals = {name: np.stack([row[k] for row in rows]) for k, name in enumerate(names)}
     loop = Controller("pd", "joint", kp=tuple(KP), kd=tuple(KD), period_s=loop_s)

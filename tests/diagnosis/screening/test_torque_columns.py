@@ -32,7 +32,7 @@ def delayed(log: Recording, rows: int) -> Recording:
 
 @pytest.mark.parametrize("mass", [0.8, 1.9])
 def test_a_mass_that_is_far_off_leaves_only_noise(tmp_path: Path, mass: float) -> None:
-    """What is lacking looks like a torque that is many rows late; what is taken off for that is no friction."""
+    """What is lacking looks like a torque that is many rows late; taking that off makes no friction."""
     asked = regression(tmp_path, fore_mass=mass)
     found = selected(asked)
     assert [str(e.key) for e in found.chosen] == ["first_moment_error@bend"]

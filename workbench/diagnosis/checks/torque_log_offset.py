@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from workbench.effects import held
 from ..policy import POLICY
 
 
-def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
+def torque_offset_lines(
+    recordings: Sequence[Recording], delay: float, late: Collection[str | None] = ()
+) -> list[str]:
     """Return one line for each axis whose measured torque is shifted against its command by whole rows.
 
     That is how a late drive looks too. But a drive's delay is in the motion as well, and is found; where it
@@ -21,6 +23,7 @@ def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[s
     Args:
         recordings: those fitted.
         delay: from command to torque by the model [s].
+        late: axes whose drives were found to be late; None is all of them.
     """
     pairs = [
         (held(r.signals["torque_command"], r.period, delay)[0], r.signals["torque_measured"])
@@ -32,7 +35,7 @@ def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[s
         shifts = range(-POLICY.shift_rows, POLICY.shift_rows + 1)
         left = {s: sum(_off(asked[:, index], given[:, index], s) for asked, given in pairs) for s in shifts}
         best = min(shifts, key=lambda s: left[s])
-        if best and left[best] < POLICY.shift_left * left[0]:
+        if best and not {axis, None} & set(late) and left[best] < POLICY.shift_left * left[0]:
             rows = f"{abs(best)} row{'s' * (abs(best) > 1)}"
             verb, way = ("lags", "up") if best > 0 else ("leads", "down")
             ms = 1000.0 * abs(best) * recordings[0].period

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
-from workbench.effects import effect_named, kinds
+from workbench.effects import SignalStage, effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
 from workbench.report.wording import effect_phrase
 
@@ -97,7 +97,9 @@ class ResidualEvidence:
         lines = []
         if self.data.replay.machine_alone:
             delay = self.model.actuators.delay_s
-            lines += torque_offset_lines(self.data.recordings[: self.data.training], delay)
+            found = [a.key for a in self.fit.hypothesis.added]
+            late = [k.axis for k in found if effect_named(k.effect).stage is SignalStage.COMMAND]
+            lines += torque_offset_lines(self.data.recordings[: self.data.training], delay, late)
         if self.responses is not None:
             soft = resonance_lines(self.responses, None)
             lines += [*soft, *(_without_rotor(self.model) if soft else ())]
@@ -153,6 +155,8 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     """Lines on why an effect is certain although something else is missing; none if it was not tested."""
     if key not in adequacy:
         return []
+    if effect_named(key.effect).stage is SignalStage.COMMAND:
+        return ["with it, the measured torque is what the logged command becomes, but for noise"]
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [

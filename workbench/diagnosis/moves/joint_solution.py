@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
 
 from ..acceptance import at_noise_floor, lowers_error
+from ..adequacy.command_path import ON_PATH, certain_on_path
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis
 from ..loss import explained, rescored, test_noise_floor
@@ -18,9 +21,8 @@ from ..policy import POLICY
 from ..problem import Problem, evaluated
 from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
-from ..screening.selection import Selection
-from ..screening.torque_regression import Regression
-from ..search_result import AcceptedStep
+from ..screening.torque_regression import Chosen, Regression
+from ..search_result import AcceptedStep, steps_through
 from .apart import certain_apart
 from .joint_fit import beside_strangers, certain_of, certain_only
 
@@ -84,24 +86,30 @@ def _solved(problem: Problem) -> Node | None:
         return None
     data, start, regression = problem.inverse_dynamics
     found = certain_of(regression, start, data)
-    if found is None:
-        return None
-    named: Fit | None = found.whole
-    if not is_consistent(data, found.whole.mean_squares):
+    named: Fit | None = found and found.whole
+    if found and not is_consistent(data, found.whole.mean_squares):
         found = certain_apart(found, start, data, problem.seed)
         named = certain_only(found.whole, found.known, data)
         if named and not found.apart:
             named = beside_strangers(found.whole, named, found.known, start, data, problem.seed)
-    if named is None or not lowers_error(named, start, data):
+    # what the drives make of their commands acts on a machine in its loop alone
+    path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
+    if named and not lowers_error(named, start, data):
+        named = None
+    if not named and not path:
         return None
-    sure_in_loop = confirmed(named.hypothesis, problem, certain=bool(found.known))
-    if sure_in_loop is not named.hypothesis:
+    known = {**(found.known if found and named else {}), **{a.key: ON_PATH for a in path}}
+    whole = replace(start.hypothesis, free=(*(named.hypothesis.free if named else ()), *path))
+    sure_in_loop = confirmed(whole, problem, certain=bool(known))
+    if not named or sure_in_loop is not named.hypothesis:
         named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
     sure = effect_keys(named)
-    kept = Selection(tuple(e for e in found.chosen.chosen if e.key in sure), found.chosen.solution)
-    node = _in_the_loop(_steps(found.regression, kept, named, start, data), problem)
-    near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure)
-    return None if node is None else replace(node, jointly=True, adequacy=found.known, near=near)
+    entries = tuple(e for e in (found.chosen.chosen if found else ()) if e.key in sure)
+    node = _in_the_loop(
+        _steps(regression if found is None else found.regression, entries, named, start, data), problem
+    )
+    near = tuple(a for a in (found.whole.hypothesis.free if found else ()) if a.key not in sure)
+    return None if node is None else replace(node, jointly=True, adequacy=known, near=near)
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
@@ -127,22 +135,21 @@ def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
     return best.hypothesis if best and lowers_error(best, problem.start, data) else found
 
 
-def _steps(
-    regression: Regression, chosen: Selection, end: Fit, before: Fit, data: Data
-) -> list[AcceptedStep]:
-    """Return one step for each effect, in the order of selection, all with the final values."""
+def _steps(regression: Regression, chosen: Chosen, end: Fit, before: Fit, data: Data) -> list[AcceptedStep]:
+    """Return one step for each effect, all with the final values: as they were chosen, then others."""
     values = {a.key: a for a in end.hypothesis.free}
-    order = [values[e.key] for e in chosen.chosen]
-    hypotheses = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
+    order = [*(e.key for e in chosen), *(key for key in values if key not in {e.key for e in chosen})]
+    hypotheses = [
+        replace(end.hypothesis, free=tuple(values[key] for key in order[: k + 1])) for k in range(len(order))
+    ]
     runs = data.run([h.model for h in hypotheses[:-1]])
     fits = [evaluated(h, r, data) for h, r in zip(hypotheses[:-1], runs, strict=True)] + [end]
-    steps, previous = [], before
-    for entry, fitted in zip(chosen.chosen, fits, strict=True):
-        ratios, alike = rivals_of(regression, chosen.chosen, entry)
-        told = {"indistinguishable": alike, "loss_ratios": ratios}
-        steps.append(AcceptedStep.between(previous, fitted, entry.key, data, **told))
-        previous = fitted
-    return steps
+    told: dict[EffectKey, dict[str, Any]] = {}
+    for entry in chosen:
+        ratios, alike = rivals_of(regression, chosen, entry)
+        told[entry.key] = {"indistinguishable": alike, "loss_ratios": ratios}
+    pairs = zip(order, fits, strict=True)
+    return list(steps_through(before, pairs, data, lambda key: told.get(key, {})))
 
 
 def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None:
