@@ -36,8 +36,8 @@ class _OnPath:
 def certain_on_path(linearisation: Linearisation) -> tuple[AppliedEffect, ...]:
     """Return the effects that make of a drive's logged command its measured torque, but for the noise.
 
-    Of each drive one, if no other does that too. None where command or torque were not logged. No delay of all
-    drives: rows tell it to a row only, and the loop tells it better.
+    Of each drive one, if no other does that too. None where command or torque were not logged. A delay of all
+    drives is none of them: rows tell it to a row only, and the loop tells it better.
 
     Args:
         linearisation: about measured motions.
