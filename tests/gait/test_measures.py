@@ -8,6 +8,7 @@ import pytest
 from tests.gait.make import PERIOD, walk
 from workbench.core import InputError
 from workbench.gait import compare_gaits, resampled, split, strides_of, tracking
+from workbench.gait.strides import strides_alike
 
 T = PERIOD * np.arange(round(8.0 / PERIOD))
 
@@ -26,6 +27,33 @@ def test_strides_are_seen_through_noise_and_harmonics(frequency: float) -> None:
 def test_noise_and_rest_have_no_strides() -> None:
     assert strides_of(np.zeros(1000), PERIOD) is None
     assert strides_of(np.random.default_rng(0).standard_normal(3000), PERIOD) is None
+
+
+@pytest.mark.parametrize("uneven", [(0.25, 0.32), (0.32, 0.25), (0.32, 0.0), (0.0, 0.32)])
+def test_steps_that_differ_in_turn_are_counted_alike_in_both_runs(uneven: tuple[float, float]) -> None:
+    """After one stride they are alike by 0.88, 0.81 or 1: at the edge of what is taken for a stride."""
+    both = [
+        np.sin(2.0 * np.pi * f * T) + a * np.sin(np.pi * f * T)
+        for f, a in zip((2.5, 2.6), uneven, strict=True)
+    ]
+    one, other = strides_alike(both, PERIOD)
+    assert one is not None and other is not None
+    assert other.frequency.value / one.frequency.value == pytest.approx(1.04, rel=0.01)
+
+
+def test_a_run_whose_strides_are_quicker_by_far_keeps_them() -> None:
+    """Counted by two they would be nearer: 2.5 Hz to 3.6 Hz is farther than to 1.8 Hz."""
+    slow, quick = np.sin(5.0 * np.pi * T), np.sin(7.2 * np.pi * T) + 0.25 * np.sin(3.6 * np.pi * T)
+    one, other = strides_alike([slow, quick], PERIOD)
+    assert one is not None and other is not None
+    assert other.frequency.value == pytest.approx(3.6, rel=0.01)
+
+
+def test_strides_of_twice_the_frequency_are_told() -> None:
+    one, other = strides_alike([np.sin(2.0 * np.pi * f * T) for f in (2.5, 5.0)], PERIOD)
+    assert one is not None and other is not None
+    assert other.frequency.value / one.frequency.value == pytest.approx(2.0, rel=0.01)
+    assert strides_alike([np.sin(5.0 * np.pi * T), np.zeros(len(T))], PERIOD)[1] is None
 
 
 def test_the_parts_of_a_gap_are_what_was_put_in() -> None:

@@ -12,7 +12,7 @@ from workbench.core import InputError, Recording
 from .bootstrap import Interval, resampled
 from .cycle import cycle_gap, cycles_of
 from .measures import Gait, Measure
-from .strides import Strides, duty_factor, strides_of
+from .strides import Strides, duty_factor, strides_alike
 from .swing import LOADED, Limbs, predict_swing
 from .tracking import tracking
 
@@ -129,9 +129,10 @@ def _tracked(runs: Sequence[Recording], command: np.ndarray) -> list[Measure]:
 def _strides(runs: Sequence[Recording], found: list[Strides]) -> list[Measure]:
     """Stride frequency; `found` gets the strides of each run, all seen in the hardware's busiest joint."""
     axis = int(np.argmax(runs[0].velocity.std(axis=0)))
-    each = []
-    for run in runs:
-        own = strides_of(run.position[:, axis], run.period)
+    each: list[Strides] = []
+    for run, own in zip(
+        runs, strides_alike([r.position[:, axis] for r in runs], runs[0].period), strict=True
+    ):
         if own is None:
             raise InputError(
                 f"no strides are seen in {run.axes[axis]}", file=run.source or run.name,
