@@ -15,7 +15,6 @@ import numpy as np
 
 from workbench.core import InputError, Recording, SimulationError
 from workbench.core.drive_map import NEWTON, THERE
-from workbench.effects import axis_units, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings.quantisation import quantisation_step
 from workbench.s3n import PostureDependent, drive_map
@@ -24,6 +23,7 @@ from workbench.s3n.posture import BEYOND
 from .control import SensorNoise
 from .experiment import Experiment, prepare, whole_and_part
 from .initial_state import initial_state
+from .posture_drives import drives_of
 from .posture_start import refined
 from .posture_step import advance, asked, shown
 
@@ -42,7 +42,7 @@ class PosturePlant:
     """
 
     def __init__(self, model: Model) -> None:
-        self.drives = _drives(model)
+        self.drives = drives_of(model)
         self.model, self.chain = model, PostureDependent(model)
         found = drive_map(model, self.chain)
         assert found is not None
@@ -76,32 +76,6 @@ class PosturePlant:
         lost = advance(series, sizes, self.chain.box, self.drives, BEYOND, h, q, v, last, torques)
         if lost >= 0:
             self.chain.nearest_inside(q[[lost]])  # which says what is wrong there
-
-
-#: Effects at drives that these runs have: the parameter, and its place among the numbers of the drives.
-_AT_DRIVES = {
-    "reflected_inertia": ("inertia", 0),
-    "viscous_damping": ("damping", 1),
-    "coulomb_friction": ("torque", 2),
-}
-
-
-def _drives(model: Model) -> np.ndarray:
-    """Inertia, damping, dry friction and creep of the drives (4, n), with what effects add."""
-    creep = [model.sliding_speed * (1.0 if unit == "rad" else 0.1) for unit in axis_units(model)]
-    out = np.array([model.actuators.inertia, model.actuators.damping, np.zeros(model.size), creep])
-    for effect in model.effects:
-        key = effect.key
-        if kinds.of_mass(effect_named(key.effect)):
-            continue  # in the links of the chain
-        if key.effect not in _AT_DRIVES or key.location != "actuator" or key.axis is None:
-            raise InputError(
-                f"its transmission changes with the posture, and such a model is not simulated with {key}",
-                file=model.source, column="effects", remedy="take it out of a copy of the model",
-            )  # fmt: skip
-        name, row = _AT_DRIVES[key.effect]
-        out[row, model.axes.index(key.axis)] += effect.values[name]
-    return out
 
 
 def run_posture(
