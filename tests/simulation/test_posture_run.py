@@ -14,6 +14,7 @@ from workbench.models import AppliedEffect, Model, read_model
 from workbench.rigs.own_rig import OwnExperiment
 from workbench.rigs.virtual_leg import PERFECT
 from workbench.simulation import PosturePlant, as_recording, held_posture, run_posture
+from workbench.simulation.posture_step import with_friction
 
 FRICTION = 0.3
 LOOP = Controller("pd", "joint", kp=(50.0, 50.0), kd=(1.5, 1.5), period_s=0.002)
@@ -57,6 +58,20 @@ def test_runs_are_those_of_virtual_hardware_with_stiction(rubbed: Model) -> None
     )
     error, without = (np.std(x - hardware) / np.std(hardware - hardware[0]) for x in (run, free))
     assert error < 0.005 and without > 0.1
+
+
+def test_three_drives_that_load_each_other_slide_or_creep() -> None:
+    """Whatever they do fits the friction of the speeds that they then have."""
+    generator, h, slow = np.random.default_rng(0), 0.0005, 5e-4
+    for _ in range(300):
+        half, jacobian = generator.normal(size=(2, 3, 3))
+        mass, dry = 0.01 * half @ half.T + 1e-4 * np.eye(3), generator.uniform(0.0, 0.3, 3)
+        pull, speed = generator.normal(size=3), generator.normal(size=3) * generator.choice([0.0, 0.01])
+        drives = np.array([np.zeros(3), np.zeros(3), dry, np.full(3, slow)])
+        found = with_friction(mass, pull, jacobian, speed, drives, h)
+        after = speed + h * jacobian @ found
+        held = jacobian.T @ (dry * np.clip(after / slow, -1.0, 1.0))
+        np.testing.assert_allclose(mass @ found, pull - held, atol=1e-8)
 
 
 def test_effects_that_these_runs_lack_are_refused(rubbed: Model) -> None:

@@ -68,34 +68,52 @@ def _accelerated(
                 mass[i, j] += inertia[a] * own * values[first_jacobian + j * n + a]
     if not dry.any():
         return np.linalg.solve(mass, pull)
-    return _rubbed(mass, pull, jacobian, jacobian @ begun + h * bends, drives, h)
+    return with_friction(mass, pull, jacobian, jacobian @ begun + h * bends, drives, h)
 
 
 @compiled()
-def _rubbed(
+def with_friction(
     mass: np.ndarray, pull: np.ndarray, jacobian: np.ndarray, speed: np.ndarray, drives: np.ndarray, h: float
 ) -> np.ndarray:
-    """Accelerations (n,) with dry friction of the drives, taken at the end of a piece of length h.
+    """Return accelerations (n,) with dry friction of the drives, as it is at the end of a piece.
 
-    `speed` (n,): of the drives there without acceleration. Each slides one way or the other, or creeps, where
-    friction grows with the speed; which, is tried until it fits.
+    Each slides one way or the other, or creeps, where friction grows with the speed; which, is tried until it
+    fits.
+
+    Args:
+        mass: of the joints (n, n) [kg m^2].
+        pull: all other forces on them (n,) [N m].
+        jacobian: J (n, n).
+        speed: of the drives at the end of the piece if nothing accelerates (n,) [rad/s].
+        drives: as of `advance`.
+        h: length of the piece [s].
     """
     n, dry, creep = len(speed), drives[2], drives[3]
     slides = np.sign(speed) * (np.abs(speed) > creep)
-    found = np.zeros(n)
-    for _ in range(3 * n + 3):
+    found, least = np.zeros(n), np.inf
+    for attempt in range(2 * n + 3**n):
         whole, left = mass.copy(), pull - jacobian.T @ (dry * slides)
         for a in range(n):
             if slides[a] == 0.0 and dry[a] > 0.0:
                 slope = dry[a] / creep[a]
                 whole += h * slope * np.outer(jacobian[a], jacobian[a])
                 left -= slope * speed[a] * jacobian[a]
-        found = np.linalg.solve(whole, left)
-        after = speed + h * (jacobian @ found)
+        tried = np.linalg.solve(whole, left)
+        after = speed + h * (jacobian @ tried)
         fits = np.sign(after) * (np.abs(after) > creep)
+        miss = 0.0  # in friction
+        for a in range(n):
+            crept = after[a] / creep[a]
+            taken = crept if slides[a] == 0.0 else slides[a]
+            miss = max(miss, dry[a] * abs(taken - min(max(crept, -1.0), 1.0)))
+        if miss < least:
+            found, least = tried, miss
         if (fits == slides).all():
             break
         slides = fits
+        if attempt >= 2 * n - 1:  # that goes round and round: each in turn
+            for a in range(n):
+                slides[a] = (attempt - 2 * n + 1) // 3**a % 3 - 1.0
     return found
 
 
