@@ -10,7 +10,7 @@ import pytest
 from tests.mechanism_log import multisines
 from workbench import compare
 from workbench.comparison import replay_of
-from workbench.core import EffectKey, Estimate, InputError, Recording
+from workbench.core import Controller, EffectKey, Estimate, InputError, Recording
 from workbench.models import AppliedEffect, read_model
 from workbench.s3n import on_drives
 from workbench.simulation import SensorNoise
@@ -29,13 +29,23 @@ def _with(effect: str, **values: float) -> AppliedEffect:
     return AppliedEffect(EffectKey(effect, "knee"), {k: Estimate(v, 0.0, "") for k, v in values.items()})
 
 
-def test_only_the_right_model_is_at_the_noise(log: Recording) -> None:
-    # an effect of no size is compared along the motion; so is one that the machine has not
-    idle, wrong = (MODEL.with_effect(_with("viscous_damping", damping=d)) for d in (0.0, 0.2))
+@pytest.mark.parametrize(
+    "effect, number, along", [("viscous_damping", "damping", False), ("torque_bias", "torque", True)]
+)
+def test_only_the_right_model_is_at_the_noise(log: Recording, effect: str, number: str, along: bool) -> None:
+    idle, wrong = (MODEL.with_effect(_with(effect, **{number: size})) for size in (0.0, 0.2))
     right = compare(idle, [log])
     assert right.error < 1.3 * right.noise_error
-    assert any("transmission changes" in note for note in right.notes)
+    assert any("transmission changes" in note for note in right.notes) == along
+    assert np.isfinite(right.recordings[0].position_rmse).all() != along
     assert compare(wrong, [log]).error > 3.0 * right.noise_error
+
+
+def test_a_log_without_its_loop_is_compared_along_its_motion(log: Recording) -> None:
+    loose = Controller("unknown")
+    result = compare(replace(MODEL, controller=loose), [replace(log, controller=loose)])
+    assert result.error < 1.3 * result.noise_error
+    assert any("transmission changes" in note for note in result.notes)
 
 
 def test_logs_that_show_no_torque_of_the_drives_are_refused(log: Recording) -> None:

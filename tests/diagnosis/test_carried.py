@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -69,4 +70,7 @@ def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> No
 def test_a_torque_bias_is_said_to_be_perhaps_a_weight(tmp_path: Path) -> None:
     found = improve(MODEL, runs(heavier(tmp_path, "0.065", "0.165")))[0].diagnosis
     assert found is not None and [f.key.effect for f in found.findings] == ["torque_bias"]
-    assert any("may instead come from a crank or rod" in n for n in found.notes)
+    (note,) = [n for n in found.notes if "may instead come from a crank or rod" in n]
+    (instead,) = re.findall(r"crank \((\S+) kg, not 0.065\)", note)
+    assert abs(float(instead) - 0.165) < 0.03
+    assert found.findings[0].probability < 0.85  # other bodies weigh as much as a bias

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 
-def urdf_of_a_leg(rod: float = 0.2, ranges: Mapping[str, tuple[float, float]] = {}) -> str:
+def urdf_of_a_leg(
+    rod: float = 0.2, ranges: Mapping[str, tuple[float, float]] = {}, dynamics: str = ""
+) -> str:
     """A leg in URDF, written out by hand: thigh 0.2, shank 0.25 with a rear arm of 0.05.
 
     With a rod as long as the thigh it is a parallelogram. `ranges` of joints are ±1.5 rad if not given.
+    `dynamics` stands in the joints that motors turn.
     """
 
     def link(name: str, z: float, mass: float, about: float) -> str:
@@ -23,7 +26,8 @@ def urdf_of_a_leg(rod: float = 0.2, ranges: Mapping[str, tuple[float, float]] = 
         return (
             f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
             f'<origin xyz="0 0 {z}"/><axis xyz="0 -1 0"/>'
-            f'<limit lower="{low}" upper="{high}" effort="20" velocity="30"/></joint>'
+            f'<limit lower="{low}" upper="{high}" effort="20" velocity="30"/>'
+            f"{dynamics if name in ('hip', 'motor') else ''}</joint>"
         )
 
     def tip(name: str, parent: str, z: float) -> str:

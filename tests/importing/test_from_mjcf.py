@@ -82,6 +82,8 @@ def _with(file: Path) -> Mechanism:
 
 def test_drives_have_what_the_mjcf_says_of_their_joints(tmp_path: Path) -> None:
     file = _file(tmp_path, "bodies")
+    more = 'frictionloss="0.02" stiffness="3" range="20 130"'
+    file.write_text(file.read_text().replace('range="20 130"', more))
     assert contents_of(file).loops == 1
     refused = run("check", file)
     assert refused.returncode == 2 and "workbench import" in refused.stderr
@@ -89,6 +91,8 @@ def test_drives_have_what_the_mjcf_says_of_their_joints(tmp_path: Path) -> None:
     done = run("import", file, *words, "--gear", 3, "-o", tmp_path / "own.toml")
     assert done.returncode == 0, done.stderr
     assert "own.xml and own.sdf" in done.stdout and "knee 0.001" in done.stdout
+    assert "friction of joints without a drive: knee 0.02 N m" in done.stdout
+    assert "springs at knee" in done.stdout
     model = read_model(tmp_path / "own.toml")
     assert model.actuators.inertia == pytest.approx((0.012, 0.012))
     assert model.actuators.damping == pytest.approx((0.05, 0.05))

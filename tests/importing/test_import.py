@@ -67,6 +67,13 @@ def test_a_mechanism_whose_transmission_changes(tmp_path: Path) -> None:
     assert read_model(tmp_path / "bent.toml").posture_dependent
 
 
+def test_friction_below_zero_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "own.urdf"
+    file.write_text(urdf_of_a_leg(dynamics='<dynamics friction="-0.1"/>'))
+    with pytest.raises(InputError, match="joint 'hip' has a friction of"):
+        contents_of(file)
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [

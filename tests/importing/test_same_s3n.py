@@ -20,7 +20,7 @@ _LINKS = {
     "crank": (0.08, 0.02, 1e-4, 1e-5), "rod": (0.06, -0.1, 2e-4, 2e-5),
 }  # fmt: skip
 _RANGES = {"hip": (-0.8, 0.8), "motor": (-2.0, 3.0), "knee": (0.7, 1.9), "rod_pin": (-4.0, 4.0)}
-_ROTOR, _DRAG, _LIMIT = 0.016, 0.05, 20.0
+_ROTOR, _DRAG, _DRY, _LIMIT = 0.016, 0.05, 0.2, 20.0
 
 
 def _mjcf(rod: float) -> str:
@@ -28,7 +28,7 @@ def _mjcf(rod: float) -> str:
         m, z, i, k = _LINKS[name]
         return f'<inertial pos="0 0 {z}" mass="{m}" diaginertia="{i} {i} {k}"/>'
 
-    drive = f'axis="0 -1 0" armature="{_ROTOR}" damping="{_DRAG}"'
+    drive = f'axis="0 -1 0" armature="{_ROTOR}" damping="{_DRAG}" frictionloss="{_DRY}"'
     return f"""<mujoco model="own"><compiler angle="radian"/><worldbody>
 <body name="thigh"><joint name="hip" {drive} range="-0.8 0.8"/>{inertial("thigh")}
 <body name="shank" pos="0 0 -0.2"><joint name="knee" axis="0 -1 0" range="0.7 1.9"/>{inertial("shank")}
@@ -43,9 +43,10 @@ def _mjcf(rod: float) -> str:
 
 def _imported(folder: Path, rod: float) -> list[Model]:
     words = ["--drive", "hip", "--drive", "motor", "--joint", "hip", "--joint", "knee", "--foot", "toe"]
-    drives = ["--rotor-inertia", str(_ROTOR), "--rotor-damping", str(_DRAG), "--torque-limit", str(_LIMIT)]
+    drives = ["--rotor-inertia", str(_ROTOR), "--torque-limit", str(_LIMIT)]  # all that a URDF cannot say
+    dynamics = f'<dynamics damping="{_DRAG}" friction="{_DRY}"/>'
     own = {
-        "one.urdf": (urdf_of_a_leg(rod, _RANGES), ["--loop", "rod_end:arm_end", *drives]),
+        "one.urdf": (urdf_of_a_leg(rod, _RANGES, dynamics), ["--loop", "rod_end:arm_end", *drives]),
         "other.xml": (_mjcf(rod), []),
     }
     found = []
@@ -74,6 +75,9 @@ def test_where_j_is_constant(tmp_path: Path) -> None:
     one, other = _imported(tmp_path, 0.2)
     assert not one.posture_dependent and not other.posture_dependent
     assert other.transmission == pytest.approx(one.transmission)
+    for each in (one, other):
+        assert each.actuators.damping == pytest.approx((_DRAG, _DRAG))
+        assert [(e.key.axis, e.values) for e in each.effects] == [(a, {"torque": _DRY}) for a in each.axes]
     q = _postures(one)
     first, second = (_dynamics(normalise(each, "s3n_full"), q) for each in (one, other))
     for key, value in first.items():

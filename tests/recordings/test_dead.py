@@ -69,6 +69,12 @@ def test_a_drive_of_which_nothing_is_asked_is_not_off() -> None:
     assert not found(rest + RNG.normal(0, 0.02, rest.shape), rest).any()
 
 
+def test_a_torque_that_comes_late_after_a_rest_is_none() -> None:
+    asked = np.where(T[:, None] < 6.0, 0.0, 1.0 + ASKED)
+    measured = np.roll(asked, 15, axis=0) + RNG.normal(0, 0.02, asked.shape)
+    assert not found(measured, asked).any()
+
+
 def test_the_stated_loop_says_what_is_asked() -> None:
     signals = {"position": 0 * ASKED, "velocity": 0 * ASKED, "torque_measured": given((6.0, 10.0))}
     signals["position_reference"] = ASKED / 40.0

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tests.simulation.make import hold_slopes_to_differences
-from workbench.core import SimulationError
+from workbench.core import EffectKey, Estimate, SimulationError
 from workbench.effects import compile_plant, places
-from workbench.models import read_model
+from workbench.models import AppliedEffect, read_model
 from workbench.s3n import PostureDependent, drive_map, off_drives, on_drives
 from workbench.simulation import PosturePlant, Track, required_torque, slopes
 
@@ -22,9 +22,14 @@ def _states(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return inside, generator.normal(size=(count, len(box)))
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_the_torque_that_drives_need_is_the_one_that_moved_them(seed: int) -> None:
+@pytest.mark.parametrize(
+    "seed, effects", [(0, {}), (1, {"reflected_inertia": "inertia", "viscous_damping": "damping"})]
+)
+def test_the_torque_that_drives_need_is_the_one_that_moved_them(seed: int, effects: dict[str, str]) -> None:
     model = read_model("four_bar")
+    for name, number in effects.items():
+        key = EffectKey(name, model.axes[1])
+        model = model.with_effect(AppliedEffect(key, {number: Estimate(0.02, 0.0, "")}))
     plant, own = PosturePlant(model), drive_map(model)
     assert own is not None
     q, v = _states(40, seed)

@@ -50,6 +50,12 @@ def test_timing_gains_and_limits_are_the_reference_s() -> None:
     assert made.mujoco.opt.timestep == 0.003
 
 
+def test_only_the_reference_leg_has_its_hold_posture() -> None:
+    leg = load_model("leg_kin_only")
+    np.testing.assert_allclose(make_machine("leg", leg).posture, [-0.55, np.pi / 3])
+    np.testing.assert_array_equal(make_machine("leg", replace(leg, closed_chain=None)).posture, 0.0)
+
+
 def test_the_file_is_the_machine() -> None:
     made = machine("quadruped")
     again = mujoco.MjModel.from_xml_string(made.xml)

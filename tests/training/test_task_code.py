@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from tests.cli.here import run
 from workbench.bundle import read_bundle
 from workbench.core import InputError
+from workbench.effects import load_model
+from workbench.models import write_model
 from workbench.training.task_file import load_task
 
 _TASK = '''
@@ -97,9 +100,12 @@ def test_what_its_functions_do_wrong_is_said_before_it_trains(
 def test_terms_without_a_docstring_and_scores_that_fail(tmp_path: Path) -> None:
     bare = _TASK.replace('    """exp(-|miss|^2)."""\n', "").replace('log.get("joints")', 'log.get("toes")')
     (tmp_path / "swing.py").write_text(bare)
-    words = ["--unverified", "--envs", 4, "--iterations", 1, "-o", "run"]
+    leg = load_model("leg")
+    write_model(replace(leg, actuators=replace(leg.actuators, delay_s=0.0)), tmp_path / "prompt.toml")
+    words = ["--unverified", "--envs", 4, "--iterations", 1, "-o", "run", "--model", "prompt.toml"]
     done = run("train", "swing.py", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    assert "`deploy` will refuse this policy" in done.stdout and "delay_s = 0.003" in done.stdout
     words = ["evaluate", "run/bundle.zip", "-o", "out", "--seconds", 1.5, "--task", "swing.py"]
     done = run(*words, cwd=tmp_path)
     assert done.returncode == 2 and "scores fails: KeyError: 'toes'" in done.stderr

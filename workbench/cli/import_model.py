@@ -124,6 +124,7 @@ def import_mechanism(
         _each(asked.rotor_damping or damping, count, 0.0, "--rotor-damping"),
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
+        tuple(contents.friction.get(name, 0.0) for name in names),
     )
     made = import_model(
         mechanism,
@@ -167,12 +168,12 @@ def import_mechanism(
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}.")
-    still = {*names, *(c.joint for c in made.closed_chain.couplings if not c.follows)}
-    if lost := _without(still, contents.damping):
-        what = "springs, dry friction, and the damping of joints without a drive"
-        echo(f"Not imported: {what}: {lost} N m s/rad.")
-    if lost := _without(still, contents.armature):
-        echo(f"Not imported: the armature of joints without a drive: {lost} kg m².")
+    fixed = {c.joint for c in made.closed_chain.couplings if not c.follows}
+    for what, unit in (("damping", "N m s/rad"), ("friction", "N m"), ("armature", "kg m²")):
+        if lost := _without({*names, *fixed}, getattr(contents, what)):
+            echo(f"Not imported: the {what} of joints without a drive: {lost} {unit}.")
+    if springs := set(contents.springs) - fixed:
+        echo(f"Not imported: springs at {', '.join(sorted(springs))}.")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         said = ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
@@ -188,11 +189,7 @@ def _without(driven: Collection[str], values: Mapping[str, float]) -> str:
 
 
 def _loop(asked: MechanismOptions, count: int) -> Controller:
-    """The PD loop of the drives, as far as the command line says.
-
-    Raises:
-        InputError: one gain without the other, coordinates or a period that are none.
-    """
+    """The PD loop of the drives, as far as the command line says."""
     from workbench.core import Controller
 
     if asked.kp is None and asked.kd is None:

@@ -94,7 +94,7 @@ def train(
     """
     from workbench.effects import load_model
     from workbench.training.loggers import check_logger
-    from workbench.training.machine import make_machine
+    from workbench.training.machine import STEP_S, make_machine
     from workbench.training.randomisation import LEG_RANDOMISATION
     from workbench.training.record import model_of, objections, read_record, record_path, summary
     from workbench.training.settings import Settings
@@ -152,6 +152,11 @@ def train(
         echo(f"The quadruped is the reference trunk on four legs of {loaded.name}.")
     if machine.left_out and shown:
         echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
+    if machine.delay_steps != 1 and shown:
+        echo(
+            "`deploy` will refuse this policy: a loop over CAN delays every torque by one step, the model "
+            f"by {machine.delay_steps}. If you will deploy it, first give the model delay_s = {STEP_S:g}."
+        )
     settings = Settings(
         worlds=envs,
         iterations=iterations or wanted.iterations,

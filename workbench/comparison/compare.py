@@ -10,12 +10,13 @@ import numpy as np
 from workbench.core import HOPELESS, Comparison, Recording, SimulationError
 from workbench.models import Model
 from workbench.s3n import on_drives
+from workbench.simulation import runs_in_loop
 
 from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
 from .matching import matched
 from .noise import DRAWS, NoiseModel
-from .replay_of import replay_of
+from .replay_of import needs_inverse, replay_of
 from .score import Scale, normalised
 from .soft_friction import softness_note
 from .standing import on_ground
@@ -37,7 +38,9 @@ def compare(
         SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
             all that was measured.
     """
-    model = on_drives(model) if model.effects else model  # runs in a loop have no effects then
+    known = not any(needs_inverse(model, r) for r in recordings)
+    if model.posture_dependent and not (known and runs_in_loop(model)):
+        model = on_drives(model)  # which is compared along the measured motion
     replay = replay_of(model, matched(model, recordings))
     simulated = replay.with_noise(model, seed, draws)
     out = told(evaluate(model, simulated))

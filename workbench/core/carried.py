@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -44,5 +45,11 @@ class Carried(Protocol):
 
         Raises:
             SimulationError: drives far from where the links can go.
+        """
+        ...
+
+    def weights(self, position: np.ndarray) -> Mapping[str, tuple[float, np.ndarray]]:
+        """Return parts that move and are not in that tree, cranks and rods: mass [kg], and the torque (n,)
+        that the drives at `position` (n,) need for each kilogram more of it [N m or N].
         """
         ...

@@ -17,6 +17,7 @@ from workbench.models import Model, springs
 
 from .acceptance import contradicts_holdout
 from .checks.units import doubted, state_units
+from .evidence.linkage_weight import BIAS, weights_like
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import (
@@ -134,7 +135,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *_bodies(findings, first.model),
             *_resting(findings, first.model),
             *(_parting(last) if named else ()),
-            *_not_looked_for(verdict, findings, first.model),
+            *_not_looked_for(verdict, findings, first),
         ),
     )
 
@@ -166,7 +167,7 @@ def _resting(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
     """Return lines that say a constant torque may come from a spring of the model file with another rest
     position.
     """
-    constant = [f for f in findings if f.key.effect == "torque_bias"]
+    constant = [f for f in findings if f.key.effect == BIAS]
     stiff = dict(zip(model.axes, springs(model), strict=True)) if constant else {}
     return tuple(
         _RESTS.format(f.key.axis, f.parameters["torque"].value / stiff[f.key.axis])
@@ -175,12 +176,14 @@ def _resting(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
     )
 
 
-def _not_looked_for(verdict: Verdict, findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
+def _not_looked_for(verdict: Verdict, findings: Sequence[Finding], found: SearchResult) -> tuple[str, ...]:
+    model = found.model
     payload = (_NO_PAYLOAD,) if verdict != "consistent" and model.payload_site is None else ()
     if model.carried is None:
         return payload
-    constant = [f.key.axis for f in findings if f.key.effect == "torque_bias"]
-    return (_CARRIED, *(_WEIGHT.format(axis) for axis in constant), *payload)
+    constant = [f.key.axis for f in findings if f.key.effect == BIAS]
+    bodies = f": {' or '.join(map(str, weights_like(found)))}".removesuffix(": ")
+    return (_CARRIED, *(_WEIGHT.format(axis) + bodies for axis in constant), *payload)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:

@@ -14,6 +14,7 @@ from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.report.wording import effect_phrase
 
+from .evidence.linkage_weight import BIAS, weights_like
 from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, finding_lines
 from .hypothesis import Fit
 from .loss import test_noise_floor
@@ -32,7 +33,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
     `held_out_floor` is the noise floor of held-out recordings that is told beside their errors; None where
     there are none.
     """
-    findings = []
+    findings, weights = [], weights_like(found)
     keys = found.final.hypothesis.keys
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
@@ -53,7 +54,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
                 error_after=found.start_data.score(step.fit.mean_squares),
                 holdout_error_before=fall and fall.before,
                 holdout_error_after=fall and fall.after,
-                probability=_probability(step, found, rivals),
+                probability=_probability(step, found, rivals, len(weights) * (applied.key.effect == BIAS)),
                 indistinguishable_from=tuple(rivals),
                 evidence=(
                     *finding_lines(step, applied, keys, fall),
@@ -110,13 +111,13 @@ def _before(found: SearchResult, index: int) -> Fit:
     return next(f for f in reversed(fits[: index + 1]) if own >= f.hypothesis.keys)
 
 
-def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey]) -> float:
+def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey], more: int) -> float:
     """Return the probability that the name is right, from the next loss ratio and the unexplained share.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more). What counts as
-    a rival does not count as the next explanation besides.
+    a rival does not count as the next explanation besides. `more` rivals are no effects.
     """
     indistinguishable = other_causes(found.model, step.added, rivals)
     others = (
@@ -129,7 +130,8 @@ def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[Effec
     alone = 1.0 - POLICY.next_best_doubt * close
     sure = found.adequacy.get(step.added)
     whole = 1.0 if found.consistent_after else sure.share if sure else found.explained
-    return float(min(alone, POLICY.surest) * whole / (1.0 + POLICY.rival_doubt * len(indistinguishable) ** 2))
+    doubt = POLICY.rival_doubt * (len(indistinguishable) + more) ** 2
+    return float(min(alone, POLICY.surest) * whole / (1.0 + doubt))
 
 
 def ranking_of(found: SearchResult) -> tuple[tuple[EffectKey, float], ...]:

@@ -73,6 +73,10 @@ class Policy:
     next_best_doubt: float = 0.5  # probability lost where the next explanation does as well; less sure names
     next_best_decay: float = 8.0  # how fast that goes with the relative error of the next; surer names
     rival_doubt: float = 0.25  # weight of rivals in the probability, times their number²; less sure names
+    weight_alike: float = (
+        0.95  # cosine of a body's weight and torque biases, from which they look alike; surer names
+    )
+    weight_most: float = 4.0  # times its stated mass that a body of a linkage may weigh; less sure names
     plain_parameters: int = 2  # parameters up to which no early effect is doubted; fewer new starts
     ground_error: float = 1.5  # rms error / noise up to which names stand on the ground; more names
 

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import declared_couplings
+from workbench.core.coupling import couplings_in
+from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY, declared_loops, finished, parse
 
 from .converted import Beside
 from .opened import opened
+from .resistance import resistance_in
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def contents_of(file: Path) -> Contents:
     with opened(file) as (source, converted):
         found = _contents(source, converted.closed if converted else len(declared_loops(source)))
         if converted is None:
-            return replace(found, couplings=declared_couplings(source))
+            root = parse_xml(source.read_bytes(), source, prefixes=False)
+            return replace(found, couplings=couplings_in(root, source), **resistance_in(root, source))
         return replace(found, **{f.name: getattr(converted, f.name) for f in fields(Beside)})
 
 

@@ -15,7 +15,8 @@ class Beside:
     Attributes:
         couplings: joints that follow others, or are held, by the file's own word.
         round_rods: ball joints of an MJCF that are taken as universal ones.
-        armature, damping, torque_limit: joint -> what an MJCF has there, inf without a limit.
+        armature, torque_limit: joint -> what an MJCF has there, inf without a limit.
+        damping, friction: joint -> what the file has there; dry friction [N m or N].
         motors: joints that motors turn, as far as the file says.
         springs: joints that springs hold where they are.
         said_by: a file beside it that states loops, by name.
@@ -26,6 +27,7 @@ class Beside:
     round_rods: tuple[str, ...] = ()
     armature: dict[str, float] = field(default_factory=dict)
     damping: dict[str, float] = field(default_factory=dict)
+    friction: dict[str, float] = field(default_factory=dict)
     torque_limit: dict[str, float] = field(default_factory=dict)
     motors: tuple[str, ...] = ()
     springs: tuple[str, ...] = ()

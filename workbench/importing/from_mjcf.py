@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from workbench.core import InputError
 from workbench.core.turns import roll_pitch_yaw
 from workbench.mechanism.parse import GRAVITY
-from workbench.models import Inertial, load_with_loops
+from workbench.models import NO_FRICTION, Inertial, load_with_loops
 from workbench.models.engine import refused
 
 from .converted import Converted
@@ -83,6 +83,7 @@ class _Writer:
         own = [j for j in range(m.njnt) if j not in self.free]
         moving = [j for j in own if int(m.jnt_type[j]) in _KINDS]
         joints = {m.joint(j).name: int(m.jnt_dofadr[j]) for j in moving}
+        frictionless = m.opt.disableflags & NO_FRICTION
         return Converted(
             ElementTree.tostring(self.root, encoding="unicode") + "\n",
             ".sdf",
@@ -92,6 +93,7 @@ class _Writer:
             round_rods=tuple(m.joint(j).name for j in own if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_BALL),
             armature={name: float(m.dof_armature[dof]) for name, dof in joints.items()},
             damping={name: float(m.dof_damping[dof]) for name, dof in joints.items()},
+            friction={} if frictionless else {n: float(m.dof_frictionloss[dof]) for n, dof in joints.items()},
             torque_limit={m.joint(j).name: torque_limit(m, j) for j in moving},
             motors=tuple(m.joint(j).name for j in moving if motors_of(m, j).size),
             springs=tuple(m.joint(j).name for j in moving if m.jnt_stiffness[j] > 0.0),

@@ -9,10 +9,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from workbench.core import Controller, InputError, Mechanism
+from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission, held_rest
-from workbench.models import Actuators, Model, model_text
+from workbench.models import Actuators, AppliedEffect, Model, model_text
 from workbench.s3n import reach
 from workbench.s3n.posture import MOST_DRIVES
 
@@ -34,6 +34,7 @@ class Drives:
         rotor_damping: B_m at the rotor [N m s/rad].
         torque_limit: at the output [N m].
         delay_s: from command to torque [s].
+        friction: dry, at the output [N m]; empty for none.
     """
 
     gear: tuple[float, ...]
@@ -41,6 +42,7 @@ class Drives:
     rotor_damping: tuple[float, ...]
     torque_limit: tuple[float, ...]
     delay_s: float = 0.0
+    friction: tuple[float, ...] = ()
 
     @property
     def at_output(self) -> Actuators:
@@ -132,6 +134,7 @@ def import_model(
             posture_dependent=not transmission.constant,
             payload_site=cut.foot,
             controller=controller or Controller(),
+            effects=_dry(names, drives),
         )
         with TemporaryDirectory() as folder:
             (Path(folder) / tree.name).write_text(mjcf)
@@ -153,6 +156,15 @@ def import_model(
         model = replace(model, linkage=linkage)
     write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
+
+
+def _dry(axes: Sequence[str], drives: Drives) -> tuple[AppliedEffect, ...]:
+    """Dry friction of the drives as effects of a model."""
+    return tuple(
+        AppliedEffect(EffectKey("coulomb_friction", axis), {"torque": Estimate(value, 0.0, "N*m")})
+        for axis, value in zip(axes, drives.friction, strict=bool(drives.friction))
+        if value
+    )
 
 
 def _reached(

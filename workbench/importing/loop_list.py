@@ -21,6 +21,7 @@ from workbench.core.coupling import couplings_in
 from workbench.core.xml import parse_xml
 
 from .converted import Converted
+from .resistance import resistance_in
 
 _AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
 _ARM = 0.1  # m between the points that hold two frames together
@@ -144,6 +145,7 @@ def with_list(file: Path, listed: LoopList) -> Converted:
     return Converted(
         ElementTree.tostring(root, encoding="unicode") + "\n", ".urdf", tuple(pairs), len(listed.loops),
         couplings=couplings_in(root, file), motors=listed.motors, said_by=listed.file.name,
+        **resistance_in(root, file),
     )  # fmt: skip
 
 

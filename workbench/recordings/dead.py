@@ -91,6 +91,8 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
     silent = (got < _NIL * np.minimum(wanted, usual)) & (wanted > _ASKED * usual) & good
     out = none.copy()
     for a, b in _spans(silent):
+        if b - a < width:  # a torque that only comes late after a step
+            continue
         # the window's edges are not the drive's, and nothing may be asked of it for a while
         inside = measured[a:b]
         high = _NOISE * float(np.std(inside)) + abs(float(np.mean(inside)))

@@ -16,14 +16,16 @@ from functools import cache, cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import mujoco
 import numpy as np
 
 from workbench.core import CarriedMotion, DriveMap
 from workbench.effects import axis_units
-from workbench.models import Model
+from workbench.models import Model, load_tree
 
 from .drive_map import drive_map
 from .posture import PostureDependent
+from .posture_closure import LoopClosure
 
 _GRAIN = 1e-9  # kg and kg m^2: what a rotor of no inertia is given, so that it can be compiled
 
@@ -60,6 +62,20 @@ class LinksOnDrives:
         change = np.einsum("kij,kj->ki", slope, acceleration - terms.drive_rate(rate))
         torque = np.einsum("kij,kj->ki", terms.links, change) + terms.link_bias(rate) - terms.gravity
         return CarriedMotion(joints, rate, change, slope, terms.links, torque)
+
+    def weights(self, position: np.ndarray) -> dict[str, tuple[float, np.ndarray]]:
+        """Return masses of cranks and rods and what they ask of the drives, as `core.Carried`."""
+        loops, own = LoopClosure(self._model), load_tree(self.serial)
+        joints = self._chain.nearest_inside(self._map.joints(position[None]))[0]
+        posture = loops.at(joints)
+        back, rise, out = np.linalg.inv(posture.jacobian).T, np.zeros((3, loops.m.nv)), {}
+        for body in range(1, loops.m.nbody):
+            name = loops.m.body(body).name
+            mujoco.mj_jacBodyCom(loops.m, loops.data, rise, None, body)
+            asked = -back @ posture.slope.T @ rise.T @ loops.m.opt.gravity
+            if asked.any() and own.body(name) is None:
+                out[name] = float(loops.m.body_mass[body]), asked
+        return out
 
 
 def on_drives(model: Model) -> Model:

@@ -10,6 +10,7 @@ from .known_rows import edge_rows
 from .law import law_torque
 from .linear import Loop, linearise, slopes
 from .motion import motion_of
+from .posture_drives import runs_in_loop
 from .posture_run import PosturePlant, refuse_joint_coordinates, run_posture
 from .propagate import Disturbance, propagate
 from .run import Run, simulate
@@ -24,6 +25,6 @@ __all__ = [
     "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits",
     "law_torque", "limits_of", "linearise", "motion_of", "on_all_cores", "predictor", "prepare", "propagate",
     "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque", "run_posture",
-    "scored_torque", "shoot", "simulate", "slopes", "smooth_track", "true_motion", "use_cores",
-    "whole_period", "with_loop_of",
+    "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes", "smooth_track", "true_motion",
+    "use_cores", "whole_period", "with_loop_of",
 ]  # fmt: skip

@@ -23,6 +23,7 @@ from workbench.s3n.posture import BEYOND
 from .control import SensorNoise
 from .experiment import Experiment, prepare, whole_and_part
 from .initial_state import initial_state
+from .posture_drives import drives_of
 from .posture_start import refined
 from .posture_step import advance, asked, shown
 
@@ -37,16 +38,11 @@ class PosturePlant:
         model: names its closed chain and limits.
 
     Raises:
-        InputError: an effect in it, which these runs do not have, or a closed chain without limits.
+        InputError: an effect in it that these runs do not have, or a closed chain without limits.
     """
 
     def __init__(self, model: Model) -> None:
-        if model.effects:
-            raise InputError(
-                "its transmission changes with the posture, and such a model cannot be simulated with "
-                f"effects such as {model.effects[0].key}",
-                file=model.source, column="effects", remedy="compare it without",
-            )  # fmt: skip
+        self.drives = drives_of(model)
         self.model, self.chain = model, PostureDependent(model)
         found = drive_map(model, self.chain)
         assert found is not None
@@ -77,8 +73,7 @@ class PosturePlant:
             SimulationError: far outside the limits.
         """
         series, sizes = self.chain.series
-        box, inertia, damping = self.chain.box, self.chain.inertia, self.chain.damping
-        lost = advance(series, sizes, box, inertia, damping, BEYOND, h, q, v, last, torques)
+        lost = advance(series, sizes, self.chain.box, self.drives, BEYOND, h, q, v, last, torques)
         if lost >= 0:
             self.chain.nearest_inside(q[[lost]])  # which says what is wrong there
 

@@ -28,9 +28,10 @@ def _values(series: np.ndarray, sizes: np.ndarray, box: np.ndarray, q: np.ndarra
 
 @compiled()
 def _accelerated(
-    values: np.ndarray, inertia: np.ndarray, damping: np.ndarray, v: np.ndarray, torque: np.ndarray
+    values: np.ndarray, drives: np.ndarray, begun: np.ndarray, h: float, v: np.ndarray, torque: np.ndarray
 ) -> np.ndarray:
     """Accelerations (n,) of the joints, from what the series are there: the order is that of their maker."""
+    inertia, damping, dry = drives[0], drives[1], drives[2]
     n = len(v)
     count = n * (n + 1) // 2
     upper = np.zeros((n, n), np.int64)
@@ -43,7 +44,7 @@ def _accelerated(
     first_pull = first_slope + n * count
     first_jacobian = first_pull + n
     first_bend = first_jacobian + n * n
-    mass, pull = np.zeros((n, n)), np.zeros(n)
+    mass, pull, jacobian, bends = np.zeros((n, n)), np.zeros(n), np.zeros((n, n)), np.zeros(n)
     for i in range(n):
         pull[i] = -values[first_pull + i]
         for j in range(n):
@@ -58,19 +59,68 @@ def _accelerated(
             speed += values[first_jacobian + i * n + a] * v[i]
             for j in range(n):
                 bend += values[first_bend + upper[i, j] * n + a] * v[i] * v[j]
+        bends[a] = bend
         acting = torque[a] - damping[a] * speed - inertia[a] * bend
         for i in range(n):
-            own = values[first_jacobian + i * n + a]
+            own = jacobian[a, i] = values[first_jacobian + i * n + a]
             pull[i] += own * acting
             for j in range(n):
                 mass[i, j] += inertia[a] * own * values[first_jacobian + j * n + a]
-    return np.linalg.solve(mass, pull)
+    if not dry.any():
+        return np.linalg.solve(mass, pull)
+    return with_friction(mass, pull, jacobian, jacobian @ begun + h * bends, drives, h)
+
+
+@compiled()
+def with_friction(
+    mass: np.ndarray, pull: np.ndarray, jacobian: np.ndarray, speed: np.ndarray, drives: np.ndarray, h: float
+) -> np.ndarray:
+    """Return accelerations (n,) with dry friction of the drives, as it is at the end of a piece.
+
+    Each slides one way or the other, or creeps, where friction grows with the speed; which, is tried until it
+    fits.
+
+    Args:
+        mass: of the joints (n, n) [kg m^2].
+        pull: all other forces on them (n,) [N m].
+        jacobian: J (n, n).
+        speed: of the drives at the end of the piece if nothing accelerates (n,) [rad/s].
+        drives: as of `advance`.
+        h: length of the piece [s].
+    """
+    n, dry, creep = len(speed), drives[2], drives[3]
+    slides = np.sign(speed) * (np.abs(speed) > creep)
+    found, least = np.zeros(n), np.inf
+    for attempt in range(2 * n + 3**n):
+        whole, left = mass.copy(), pull - jacobian.T @ (dry * slides)
+        for a in range(n):
+            if slides[a] == 0.0 and dry[a] > 0.0:
+                slope = dry[a] / creep[a]
+                whole += h * slope * np.outer(jacobian[a], jacobian[a])
+                left -= slope * speed[a] * jacobian[a]
+        tried = np.linalg.solve(whole, left)
+        after = speed + h * (jacobian @ tried)
+        fits = np.sign(after) * (np.abs(after) > creep)
+        miss = 0.0  # in friction
+        for a in range(n):
+            crept = after[a] / creep[a]
+            taken = crept if slides[a] == 0.0 else slides[a]
+            miss = max(miss, dry[a] * abs(taken - min(max(crept, -1.0), 1.0)))
+        if miss < least:
+            found, least = tried, miss
+        if (fits == slides).all():
+            break
+        slides = fits
+        if attempt >= 2 * n - 1:  # that goes round and round: each in turn
+            for a in range(n):
+                slides[a] = (attempt - 2 * n + 1) // 3**a % 3 - 1.0
+    return found
 
 
 @compiled()
 def advance(
-    series: np.ndarray, sizes: np.ndarray, box: np.ndarray, inertia: np.ndarray, damping: np.ndarray,
-    beyond: float, h: float, q: np.ndarray, v: np.ndarray, last: np.ndarray, torques: np.ndarray,
+    series: np.ndarray, sizes: np.ndarray, box: np.ndarray, drives: np.ndarray, beyond: float, h: float,
+    q: np.ndarray, v: np.ndarray, last: np.ndarray, torques: np.ndarray,
 ) -> int:  # fmt: skip
     """Move states on by as many pieces as there are torques; mass and forces of the middle of each piece.
 
@@ -78,8 +128,8 @@ def advance(
         series: of `PostureDependent`, (d_1 ... d_n, K).
         sizes: d_1 ... d_n.
         box: limits of the joints (n, 2) [rad or m].
-        inertia: of the drives (n,) [kg m^2].
-        damping: of the drives (n,) [N m s/rad].
+        drives: their inertia [kg m^2], damping [N m s/rad], dry friction [N m], and the speed at which that
+            is whole [rad/s], (4, n).
         beyond: how far outside the limits things go on as at the edge [rad or m].
         h: length of a piece [s].
         q: positions of the joints (B, n) [rad or m]; changed, as are the next two.
@@ -102,7 +152,7 @@ def advance(
                     q[b] = there
                     return b
             values = _values(series, sizes, box, inside)
-            last[b] = _accelerated(values, inertia, damping, middle, torques[piece, b])
+            last[b] = _accelerated(values, drives, v[b], h, middle, torques[piece, b])
             q[b] += h * (v[b] + 0.5 * h * last[b])
             v[b] += h * last[b]
     return -1

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import DriveMap, InputError
+from workbench.importing import is_reference_leg
 from workbench.models import Model, load_tree
 from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.explicit import Injection
@@ -231,8 +232,8 @@ def _fitted(model: Model) -> tuple[str, DriveMap]:
 
 
 def _posture(model: Model) -> np.ndarray:
-    """The reference leg's hold posture, or the middle of the limits where that is outside."""
-    wanted = np.array([-0.55, np.pi / 3]) if model.size == 2 else np.zeros(model.size)
+    """The reference leg's hold posture, another's zero, or the middle of the limits where that is outside."""
+    wanted = np.array([-0.55, np.pi / 3]) if is_reference_leg(model) else np.zeros(model.size)
     limits = np.array(_limits(model))
     inside = bool(((wanted > limits[:, 0]) & (wanted < limits[:, 1])).all())
     return wanted if inside else limits.mean(axis=1)
