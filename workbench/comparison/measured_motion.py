@@ -150,9 +150,12 @@ class FilteredRecording:
         return self._rigid[key]
 
 
-def in_time(shift: np.ndarray) -> np.ndarray:
-    """Return whether a log may show torques so late [rows]: those at a row, or those until the next one."""
-    return (shift > _EARLY) & (shift < _LATE)
+def in_time(shift: np.ndarray, give: float = 0.0) -> np.ndarray:
+    """Return whether a log may show torques so late [rows]: those at a row, or those until the next one.
+
+    `give`: by how much the shift may be off.
+    """
+    return (shift + give > _EARLY) & (shift - give < _LATE)
 
 
 def _unblurred(tap: np.ndarray) -> np.ndarray:

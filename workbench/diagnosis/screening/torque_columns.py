@@ -13,8 +13,9 @@ from workbench.effects import Compliance, OnGround, SignalStage, Values, effect_
 from workbench.models import Model, Placement, alike_axes
 
 from ..data import Data
-from ..fitting.normal_equations import Normal, total
+from ..fitting.normal_equations import Normal, scaled_inverse, total
 from ..hypothesis import Fit
+from ..policy import POLICY
 from .equations import Entry, limits_of
 from .needed_torque import kept_rows, needing
 from .propagation import propagate_sensitivities
@@ -137,13 +138,15 @@ def _timed(
     loop, weight = linearisation.loops[index], data.weight[1]
     whole, late = (x[rows] * weight for x in loop.reading.beyond_time(loop.plant))
     for axis in np.flatnonzero(np.any(late, axis=0)):
-        own, x = late[:, axis], pieces[:, axis]
+        own, y, x = late[:, axis], whole[:, axis], pieces[:, axis]
         both = np.column_stack([own, x[:, np.any(x, axis=0)]])
-        size = np.linalg.norm(both, axis=0)
-        shift = np.linalg.lstsq(both / size, whole[:, axis], rcond=1e-6)[0][0] / size[0]
-        if in_time(shift):
-            rest[:, axis] = whole[:, axis] - own * (own @ whole[:, axis]) / size[0] ** 2
-            x -= own[:, None] * (own @ x / size[0] ** 2)
+        inverse = scaled_inverse(both.T @ both)
+        found = inverse @ (both.T @ y)
+        noise = float(np.sum((y - both @ found) ** 2)) / max(len(y) - both.shape[1], 1)
+        if in_time(found[0], POLICY.significant * np.sqrt(noise * inverse[0, 0])):
+            power = own @ own
+            rest[:, axis] = y - own * (own @ y / power)
+            x -= own[:, None] * (own @ x / power)
 
 
 def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:
