@@ -66,7 +66,7 @@ def _checks(result: Verification) -> Section:
         for c in result.checks
     )
     table = SheetTable(
-        "Largest difference between what the last column names, and the largest that is allowed",
+        "Largest difference between the engines of the last column, and the largest difference allowed",
         ("Quantity", "Result", ">Difference", ">Allowed", "Unit", "Between"),
         rows,
     )
@@ -125,7 +125,7 @@ def _stated(result: Verification) -> tuple[Section, ...]:
     ]
     lines += [f"Not checked: {line}" for line in result.not_checked]
     return (
-        (Section("stated", "Differences that are stated, not checked", remarks=tuple(lines)),)
+        (Section("stated", "Differences that are reported but not checked", remarks=tuple(lines)),)
         if lines
         else ()
     )

@@ -22,7 +22,6 @@ from .trace import trace_table
 from .truth import truth_rows
 
 _RANKED = 10
-_QUANTITIES = ("speed", "position", "frequency", "time")
 _ROWS = 6
 
 
@@ -220,7 +219,7 @@ def _left(result: Result, after: Comparison | None) -> tuple[Share, ...]:
 
 
 def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    """Return shares of the excess in groups: by speed, position, frequency and time."""
+    """Return shares of the excess in groups, by speed, position, frequency and time; the largest first."""
     groups: dict[str, list[dict[str, str]]] = {}
     for s in sorted(shares, key=lambda s: -s.share):
         low, high = s.range
@@ -233,8 +232,7 @@ def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
                 "width": bar_width(s.share),
             }
         )
-    order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
-    return [{"quantity": plain(q), "rows": groups[q][:_ROWS]} for q in order]
+    return [{"quantity": plain(q), "rows": rows[:_ROWS]} for q, rows in groups.items()]
 
 
 def bar_width(share: float) -> str:

@@ -45,7 +45,7 @@ class PosturePlant:
             raise InputError(
                 "its transmission changes with the posture, and such a model cannot be simulated with "
                 f"effects such as {model.effects[0].key}",
-                file=model.source, column="effects", remedy="compare it without",
+                file=model.source, column="effects", remedy="compare it without them",
             )  # fmt: skip
         self.model, self.chain = model, PostureDependent(model)
         found = drive_map(model, self.chain)
@@ -138,7 +138,9 @@ def _run(
         if row < rows - 1:
             plant.advance(q, v, last, np.array(acting), h)
         if not np.abs(v).max() < _FASTEST:
-            raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
+            raise SimulationError(
+                f"model '{plant.model.name}' becomes unstable in the loop of '{recording.name}'"
+            )
     return logged
 
 
