@@ -262,7 +262,7 @@ def test_what_is_only_nearest_is_shown_as_no_cause(improvement, improved):
 
 def test_held_out_recordings_have_their_own_numbers(improved: str, diagnosed: str) -> None:
     shown = Page(improved).text
-    assert "The same of the held-out recordings" in shown and "walk, held out" in shown
+    assert "The same for the held-out recordings" in shown and "walk, held out" in shown
     assert "held-out recordings, which" not in Page(diagnosed).text
 
 

@@ -43,6 +43,7 @@ class Strips:
         title: which signal of which axis, in which recording.
         strips: top first.
         band: half the height of twice the noise, in the drawing's coordinates; None where it is not known.
+        noise: twice the noise, with unit; empty where it is not known.
         scale: what the drawing's half height is, with unit.
         duration: of the recording, with unit.
     """
@@ -50,6 +51,7 @@ class Strips:
     title: str
     strips: tuple[Strip, ...]
     band: float | None
+    noise: str
     scale: str
     duration: str
 
@@ -89,6 +91,7 @@ def residual_strips(before: Comparison | None, after: Comparison | None) -> Stri
             for style, run, label in runs
         ),
         band=min(1.0, floor / half) * HEIGHT / 2 if math.isfinite(floor) else None,
+        noise=f"{number(factor * floor, 2)} {small}" if math.isfinite(floor) else "",
         scale=f"{number(factor * half, 2)} {small}",
         duration=f"{short(entry.recording.duration)} s",
     )

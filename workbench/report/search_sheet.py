@@ -88,7 +88,7 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
                 rows.append((f"{k}. {w.capital(w.effect_phrase(key))}", "; ".join(others)))
     if not rows:
         return ()
-    caption = "Share of the squared error above the noise at this step that each effect removes by itself, best first"
+    caption = "Share of the squared error above the noise that each effect removes by itself at this step"
     table = SheetTable(caption, ("Effect added", "Other effects that were fitted in its place"), tuple(rows))
     return (Section("rivals", "The candidates for each effect", tables=(table,)),)
 
@@ -96,7 +96,4 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
 def _words(trace: Sequence[Tried]) -> str:
     last = next((t for t in reversed(trace) if t.taken), trace[-1])
     left = number(last.times_noise[-1])
-    return (
-        f"{len(trace)} models were tried; the last accepted one has an error of {left} times "
-        "the noise."
-    )
+    return f"{len(trace)} models were tried; the last accepted one has an error of {left} times the noise."
