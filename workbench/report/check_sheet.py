@@ -22,9 +22,9 @@ def verification_sheet(result: Verification) -> Sheet:
     closest = max(
         result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None
     )
-    margin = ("–", "")
+    name, margin = "–", ""
     if closest is not None:
-        margin = quantity_name(closest.name), f"{closest.value:.1e} of {closest.tolerance:.0e} allowed"
+        name, margin = quantity_name(closest.name), f"{closest.value:.1e} of {closest.tolerance:.0e} allowed"
     stable = ()
     if len(result.radius):
         top = float(np.max(result.radius))
@@ -43,7 +43,7 @@ def verification_sheet(result: Verification) -> Sheet:
         lines=tuple(f"{quantity_name(c.name)}: {c.hint}." for c in broken if c.hint)[:3],
         key_numbers=(
             ("Agree", f"{len(result.checks) - len(broken)} of {len(result.checks)}", "quantities"),
-            ("Closest to its limit", *margin),
+            ("Closest to its limit", name, margin),
             *stable,
         ),
         sections=(_checks(result), *_masses(result), *_radius(result), *_stated(result)),

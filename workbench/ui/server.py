@@ -108,7 +108,8 @@ def _document(live: Live) -> Any:
     document = pn.state.curdoc
     # a slow browser connects when the session that sent its page has ended: Panel would then name its style
     # sheets on the network
-    document.template_variables.setdefault("dist_url", LOCAL_DIST)
+    if document is not None:
+        document.template_variables.setdefault("dist_url", LOCAL_DIST)
     page = Page(live, document)
     for name, view in page.roots.items():
         template.add_panel(name, view)
