@@ -46,7 +46,7 @@ def loop_sentence(result: Comparison) -> str:
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     alike = ", in all recordings alike" if len(names) < len(still) else ""
     return (
-        f"The controller of {which} is not known, so that only the torque that the motion needs is "
+        f"The controller of {which} is not known, so only the torque that the motion needs is "
         f"compared{alike}. State its gains in [controller]."
     )
 
