@@ -11,7 +11,7 @@ from workbench.core import Comparison, RecordingError
 
 from .numbers import handy, number, plain, short
 from .pack import partner, worst_view
-from .residuals import Signal, column, has, min_max, noise, rmse, units
+from .residuals import Signal, column, compared, has, min_max, noise, rmse, units
 
 #: Size of the drawing's own coordinates; the page stretches it.
 WIDTH, HEIGHT = 1000, 100
@@ -111,15 +111,14 @@ def _worst_signal(comparison: Comparison, entry: RecordingError, axis: str) -> S
 
 def _half(entry: RecordingError, name: Signal, k: int) -> float:
     """Half the height of the drawing: it holds all but the rarest values."""
-    values = np.abs(entry.residual(name)[:, k])
+    values = np.abs(compared(entry, name)[:, k])
     values = values[np.isfinite(values)]
     return 1.05 * float(np.quantile(values, 0.999)) if len(values) else 0.0
 
 
 def _path(entry: RecordingError, name: Signal, k: int, half: float) -> str:
-    """The residual as an SVG path; broken where nothing was measured, cut at the edges."""
-    values = entry.residual(name)[:, k].astype(float)
-    values[~np.asarray(entry.recording.valid, bool)] = np.nan
+    """The residual as an SVG path; broken where nothing was compared, cut at the edges."""
+    values = compared(entry, name)[:, k]
     finite = np.isfinite(values)
     thin, stride = min_max(np.where(finite, values, 0.0), _STRETCHES)
     at = np.minimum(np.arange(len(thin)) * stride, len(values) - 1)
