@@ -169,7 +169,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     for f in found:
         error = f.error_after if isinstance(f, Finding) else f.error
         total = w.total_phrase(findings[f.key]) if f.key in findings else ""
-        lines = [f"Total: {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
+        lines = [f"Total {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
         if isinstance(f, Finding) and f.holdout_error_after is not None:
             lines.append(w.holdout_sentence(f.holdout_error_before, f.holdout_error_after))
         lines += [w.removed_sentence(f)] if isinstance(f, Step) else []
