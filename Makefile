@@ -19,7 +19,7 @@ $(STAMP): requirements.lock pyproject.toml exam/pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:3]; sys.exit(v < (3, 11) and f"workbench needs Python 3.11 or later; {sys.executable} is {v[0]}.{v[1]}: set PYTHON=")'
 	@echo "installing what requirements.lock lists into .venv: once, some minutes, 2.4 GB on disk"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e . -e exam
 	@touch $@
 
@@ -27,7 +27,7 @@ training: $(TRAINING)
 
 $(TRAINING): $(STAMP) requirements-training.lock requirements-ray.lock
 	@echo "installing torch, ray, rerun and what trains into .venv: once, some minutes, 2 GB on disk and more with CUDA"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock -r requirements-ray.lock
+	$(BIN)/python -m pip install --disable-pip-version-check -r requirements.lock -r requirements-training.lock -r requirements-ray.lock
 	@touch $@
 
 demo: setup

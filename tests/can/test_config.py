@@ -161,7 +161,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
         (table([HIP], imu={"bus": "can0", "id": 0x10}), "id 0x11 is used by 'hip' too"),
         (table([HIP], imu={"bus": "can0", "id": 0x7FF}), "outside 0x0 to 0x7fd"),
         (table([HIP], imu={"bus": "can0", "id": 0x60, "protocol": "x"}), "no unit is called 'x'"),
-        (with_interface("socketcan", bench={"time_scale": 4.0}), "the drives on 'can0' keep real time"),
+        (with_interface("socketcan", bench={"time_scale": 4.0}), "the bus 'can0' has real drives"),
     ],
 )
 def test_what_is_wrong_is_named(tmp_path: Path, content: dict, said: str) -> None:

@@ -35,7 +35,7 @@ def test_a_right_model_scores_the_noise_floor() -> None:
     shown = comparison_dict(result)["recordings"][0]
     assert len(shown["ground_force_rmse"]) == len(shown["ground_force_noise"]) == 3
     assert any(
-        "no foot slips, so that only a lower limit of the ground's friction is known: 0." in note
+        "no foot slips, so only a lower limit of the ground's friction is known: 0." in note
         for note in result.notes
     )
 

@@ -40,7 +40,7 @@ def test_only_loops_that_nobody_states_are_called_unknown() -> None:
     without = {name: x for name, x in strange.signals.items() if not name.endswith("reference")}
     blind = replace(LEG, controller=Controller())
     said = loop_sentence(compare(blind, [known, strange]))
-    assert said.startswith("The controller of b is not known, so that only the torque")
+    assert said.startswith("The controller of b is not known, so only the torque")
     assert "compared, in all recordings alike" in said
     by_model = replace(known, controller=Controller())
     said = loop_sentence(compare(LEG, [by_model, replace(strange, signals=without)]))

@@ -56,7 +56,11 @@ def test_a_button_that_permits_lets_it_run(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("then", "by", "within"),
-    [(b"\x00", "the button", 0.02), (b"", "the button", 0.02), (None, "the silence of the button", SILENT)],
+    [
+        (b"\x00", "the button", 0.02),
+        (b"", "the button", 0.02),
+        (None, "a missing signal of the button", SILENT),
+    ],
 )
 def test_a_button_that_is_pressed_or_silent_stops(tmp_path: Path, then, by: str, within: float) -> None:
     robot = Pressed(tmp_path)
@@ -79,7 +83,7 @@ def test_without_a_word_of_the_button_nothing_moves(tmp_path: Path) -> None:
     robot = Pressed(tmp_path)
     robot.says = None
     result = run_host(robot.host, robot.network, 2.0)
-    assert result["stopped_by"] == "the silence of the button"
+    assert result["stopped_by"] == "a missing signal of the button"
     assert not any(motor.longest for motor in robot.network.bank.motors.values())
 
 

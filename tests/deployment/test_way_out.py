@@ -192,4 +192,4 @@ def test_a_parent_that_dies_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     watch = orphaned()
     assert watch() is None
     monkeypatch.setattr(os, "getppid", lambda: 1)
-    assert watch() == "the death of its parent" and exit_code(stopped(watch())) == 130
+    assert watch() == "the end of its parent process" and exit_code(stopped(watch())) == 130

@@ -104,4 +104,7 @@ def test_what_no_catalogue_lists_is_unexplained() -> None:
     assert (found.verdict, found.findings) == ("unexplained", ())
     assert found.unexplained_fraction > 0.1
     assert found.where[0].axis == outsider.axis and found.next_experiment
-    assert f"Most of the remaining error is in the {found.where[0].signal} around" in found.next_experiment
+    assert (
+        f"Most of the remaining error is in the {outsider.axis} {found.where[0].signal}, "
+        in found.next_experiment
+    )

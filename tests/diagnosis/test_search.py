@@ -57,7 +57,7 @@ def test_a_bold_start_grows_no_further_where_another_was() -> None:
     wrong = node_with(problem, applied(LEG, DAMPING, damping=0.1), growth=Growth(), bold=True)
     first = grown(wrong, problem)
     assert FRICTION in first.keys and any("screening" in text for text in told)
-    assert "found Coulomb friction on the knee drive; simulating the noise" in told
+    assert "simulating the noise with Coulomb friction on the knee drive" in told
     assert not [text for text in told if "@" in text or "_" in text], "in words, as verdicts are"
     told.clear()
     again = grown(wrong, problem)

@@ -65,8 +65,8 @@ NUMBERS = [
     ("policy", "significant", word(3.0, "three"), "stays at least {} standard deviations above"),
     ("policy", "explained", percent, "the law reaches {} of it"),
     ("policy", "basic_law", percent, "of it, or {} if it is inertia, damping and Coulomb"),
-    ("policy", "near_named", percent, "What removes {} or more, and still too little"),
-    ("policy", "something", percent, "of {} or more, only that there is something"),
+    ("policy", "near_named", percent, "Effects that remove at least {} of the excess, but not enough"),
+    ("policy", "something", percent, "but at least {}, only the existence of a partial"),
     ("policy", "replacement_close", times, "it left less than {} as much"),
     ("policy", "merge_size", part, "at most {} as many parameters"),
     ("policy", "torque_first", percent, "it leaves no more than {} of the squared residual torque"),
@@ -101,7 +101,7 @@ def test_numbers_that_are_made_of_others() -> None:
     latest = 1e3 * closed_loop._SHIFT * closed_loop._LONGEST
     assert f"at most {latest:g} ms" in PAGE
     orders = import_module("workbench.diagnosis.evidence.relations")._ORDERS
-    assert f"up to {max(orders)} times a revolution" in PAGE
+    assert f"up to {max(orders)} periods per revolution" in PAGE
 
 
 def test_no_threshold_of_the_page_is_left_unlooked_at() -> None:
@@ -111,5 +111,5 @@ def test_no_threshold_of_the_page_is_left_unlooked_at() -> None:
         around.format(written(constant(module, name))) for module, name, written, around in NUMBERS
     )
     for share in re.findall(r"[\d.]+ (?:%|times)", text):
-        # 100 % and a 95 % interval are words of the field; harmonics of a turn are held below
-        assert share in known or share in ("100 %", "95 %", "32 times"), share
+        # 100 % and a 95 % interval are words of the field
+        assert share in known or share in ("100 %", "95 %"), share

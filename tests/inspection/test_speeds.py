@@ -65,7 +65,7 @@ def test_differences(way: str, named: str, late: int) -> None:
     remark = gains(looped(way, late))
     assert remark.severity in ("ok", "note")
     first = remark.value["explanations"][0]
-    assert named in first and ("of 1 tick before" if late else "of the same row") in first
+    assert named in first and ("of 1 tick earlier" if late else "of the same row") in first
     assert "times the stated" not in first
 
 
@@ -89,7 +89,7 @@ def test_the_measured_drive(tmp_path: Path) -> None:
     for gain in ("kp_0", "kd_0"):
         assert remark.value["factors"][gain]["value"] == pytest.approx(1.0, abs=3e-4)
     assert (
-        "Equally good: a speed that was measured and not logged, of 1 tick before, and kd of 'slide' 1.152"
+        "Equally good: a speed that was measured and not logged, of 1 tick earlier, and kd of 'slide' 1.152"
         in remark.text
     )
 

@@ -100,7 +100,7 @@ def test_it_shows_the_shape_of_what_no_effect_explains():
     assert "a description, not a cause" in page.text and "hip: position 97 %" in page.text
     assert "knee: a tone of 3.7 Hz 61 %" in page.text and "the position of hip at its median" in page.text
     [words] = [a["alt"] for t, a in page.tags if t == "img" and "Missing torque" in (a["alt"] or "")]
-    least_and_most = "least 0 N m at −1 rad, most 1.60 N m at 1 rad, give or take 0.040 N m"
+    least_and_most = "least 0 N m at −1 rad, most 1.60 N m at 1 rad, each ± 0.040 N m"
     assert f"Missing torque at hip against position: {least_and_most}." in words
     assert "shape of what no effect" not in Page(render_page(build.diagnosis(), command=COMMAND)).text
 
@@ -262,7 +262,7 @@ def test_what_is_only_nearest_is_shown_as_no_cause(improvement, improved):
 
 def test_held_out_recordings_have_their_own_numbers(improved: str, diagnosed: str) -> None:
     shown = Page(improved).text
-    assert "The same of the held-out recordings" in shown and "walk, held out" in shown
+    assert "The same for the held-out recordings" in shown and "walk, held out" in shown
     assert "held-out recordings, which" not in Page(diagnosed).text
 
 

@@ -164,7 +164,7 @@ def test_an_improvement_says_what_a_corrected_number_is_in_all(improvement, diag
         diagnosis.findings[0], key=key, model_value=0.15, total=Estimate(0.4504, 0.0011, "N*m")
     )
     better = replace(improvement, diagnosis=replace(diagnosis, findings=(corrects,)))
-    said = "in all 0.4504 ± 0.0022 N m, where the model has 0.150"
+    said = "total 0.4504 ± 0.0022 N m, where the model has 0.150"
     assert said in " ".join(printed(improvement_table(better)).split())
     assert said[1:] in " ".join(render_page(better, command="").split())
     assert "in all" not in printed(improvement_table(improvement))

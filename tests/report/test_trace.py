@@ -42,7 +42,7 @@ def test_its_own_page_says_why_and_from_what(diagnosis: Diagnosis) -> None:
     ):
         assert words in page.text, words
     (picture,) = [a for _, a in page.tags if a.get("class") == "picture"]
-    assert "2 starts and changes were tried" in (picture["aria-label"] or "")
+    assert "2 models were tried" in (picture["aria-label"] or "")
 
 
 def test_its_picture_follows_the_colours_of_the_page(diagnosis: Diagnosis) -> None:

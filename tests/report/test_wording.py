@@ -91,9 +91,10 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert taken_out.startswith("With torque gain on the hip drive, 0.931 ± 0.008 (95 %), the model explains")
     worst = Outlier("knee", "torque", 1.44, 1.31)
     off = replace(improvement, after=replace(improvement.after, consistent=False, outlier=worst))
-    assert "to the noise as a whole (the " in sentence(off) and "noise makes 1.31 at most): " in sentence(off)
+    assert "to the noise as a whole (the " in sentence(off)
+    assert "noise alone explains at most 1.31): " in sentence(off)
     near = replace(comparison, error=1.01 * comparison.noise_error, outlier=worst)
-    assert "the knee torque misses by 1.44 times its own noise, where" in sentence(near)
+    assert "the knee torque is off by 1.44 times its own noise; noise alone" in sentence(near)
 
 
 def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):

@@ -62,7 +62,7 @@ def test_an_inertia_that_a_held_damping_is_too_much_for() -> None:
     with pytest.raises(SimulationError) as caught:
         simulate([Run(free, replace(short, controller=replace(short.controller, kd=(1.5, 40.0))))])
     said = str(caught.value)
-    assert "held for 3 ms its damping of knee asks for at least 0.06 kg m^2" in said
+    assert "with a period of 3 ms its damping gain of knee needs at least 0.06 kg m^2" in said
     assert 0.0 < float(said.split("the model has ")[1].split(":")[0]) < 0.06
     with pytest.raises(SimulationError) as caught:
         simulate([Run(with_effect("torque_bias", 1e9), short)])

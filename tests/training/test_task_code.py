@@ -80,7 +80,7 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, told: st
             "s.xp.square(miss(s))))",
             "reward 'near' gives an array () in 3 worlds",
         ),
-        ("return s.xp.exp(-", "return s.xp.sqrt(-1.0 -", "reward 'near' gives what is no number"),
+        ("return s.xp.exp(-", "return s.xp.sqrt(-1.0 -", "gives a value that is not a finite number"),
         ("return s.position - s.machine", "return s.position[:, 7] - s.machine", "observation 'miss' fails"),
         ("numbers=lambda joints: joints", "numbers=lambda joints: 9", "command gives an array (3, 2)"),
         ("6.0 * command * xp.cos(angle)", "command[:1]", "speeds of goal gives an array (1, 2)"),

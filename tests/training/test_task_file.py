@@ -70,7 +70,7 @@ def test_a_load_is_drawn_within_the_task_s_range() -> None:
 @pytest.mark.parametrize(
     "old, new, told",
     [
-        ('"reach"', '"fly"', "'fly' is not there; choose of reach"),
+        ('"reach"', '"fly"', "'fly' is not there; choose one of reach"),
         ("torque2", "torqe2", "rewards.torqe2"),
         ("reach_speed", "reach_sped", "observations.reach_sped"),
         ("episode_s = 2.0", "episode_s = -1", "episode_s"),

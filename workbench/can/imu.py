@@ -74,11 +74,11 @@ class WorkbenchImu:
         if frame.extended or frame.id not in self.ids:
             return None
         if len(frame.data) != 6:
-            raise FrameError(f"{len(frame.data)} bytes are no sample")
+            raise FrameError(f"{len(frame.data)} bytes are not a sample")
         quantity, span = self.spans[frame.id - self.ids[0]]
         x, y, z = (span.decode(int.from_bytes(frame.data[k : k + 2], "big")) for k in (0, 2, 4))
         if quantity == "gravity" and not 0.8 < x * x + y * y + z * z < 1.2:
-            raise FrameError("no direction")
+            raise FrameError("gravity has no direction: its length is not 1")
         return quantity, (x, y, z)
 
 

@@ -36,7 +36,7 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     real = [bus.name for bus in c.bus if bus.interface != "workbench"]
     if c.bench.time_scale != 1.0 and real:
         remedy = 'remove it, or give every bus interface = "workbench"'
-        yield "bench.time_scale", f"the drives on '{real[0]}' keep real time", remedy
+        yield "bench.time_scale", f"the bus '{real[0]}' has real drives, which run in real time", remedy
     taken: list[str] = []
     for mechanism in c.mechanism:
         for axis in mechanism.axes:

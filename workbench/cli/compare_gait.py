@@ -41,7 +41,7 @@ def compare_gait(
         write_result(gait_dict(result, reason), json, files=files_of(loaded, data), force=force)
     lacking = [*result.lacking, *([reason] if reason else [])]
     if lacking:
-        echo(f"not made: {' | '.join(lacking)}", err=True)
+        echo(f"not computed: {' | '.join(lacking)}", err=True)
         raise typer.Exit(2)
 
 

@@ -109,8 +109,8 @@ def demo(
     files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
     deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
     _draw_figures(result, folder, force=force)
-    made = "recordings, figures and improved.toml lie" if result.steps else "recordings and figures lie"
-    say(f"\nLook at {page}; {made} beside it.")
+    made = "recordings, figures and improved.toml" if result.steps else "recordings and figures"
+    say(f"\nOpen {page} in a browser; {made} are in the same folder.")
 
 
 def _draw_figures(result: Improvement, folder: Path, *, force: bool) -> None:

@@ -24,6 +24,8 @@ def progress(quiet: bool) -> Iterator[Any]:
     if quiet or not console.is_terminal or console.is_dumb_terminal:
         heart = None if quiet else current()
         yield (lambda text, done=None: None) if heart is None else heart.tell
+        if heart is not None:
+            heart.tell("writing the results")
         return
     columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
     left = TextColumn("{task.fields[left]}")
@@ -46,7 +48,7 @@ _SHARES = (
     ("screening effects, step 1", 0.2),
     ("fitting", 0.3),
     ("looking for springs", 0.8),
-    ("found", 0.85),
+    ("simulating the noise", 0.85),
     ("screening effects", 0.95),
 )
 

@@ -92,7 +92,7 @@ def _run(plant: PosturePlant, recording: Recording) -> Recording:
 
 def _no_search(model: Model) -> InputError:
     return InputError(
-        f"the transmission of '{model.name}' changes with the posture: no effect is looked for in its loop",
+        f"the transmission of '{model.name}' changes with the posture, so no effect can be found in its loop",
         file=model.source, column="transmission.posture_dependent",
-        remedy="diagnose and improve look for effects in its torque",
+        remedy="use diagnose or improve: these search for effects in the torque",
     )  # fmt: skip

@@ -52,7 +52,7 @@ def with_base(recording: Recording, model: Model) -> Recording:
         if values is None and name in POSE:
             raise _refusal(
                 recording, name, f"the base of model '{model.name}' floats, but no column says where it was",
-                "name its columns, or fix the base in the MJCF (take the <freejoint/> out)",
+                "name its columns, or fix the base in the MJCF (remove the <freejoint/>)",
             )  # fmt: skip
         if values is not None and values.shape[1] != count:
             raise _refusal(
@@ -109,7 +109,7 @@ def _angles(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
         raise _refusal(
             recording, "base_orientation",
             f"the base pitches by {np.degrees(pitch[row - 1]):.0f} degrees in row {row}",
-            "unit quaternions w x y z of a base that stays within 80 degrees of level are taken",
+            "give unit quaternions w x y z; the base must stay within 80 degrees of level",
         )  # fmt: skip
     turn[steep] = Rotation.identity()
     angles = np.unwrap(turn.as_euler("ZYX"), axis=0)

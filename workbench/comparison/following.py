@@ -32,8 +32,8 @@ def followed(recordings: Sequence[Recording], why: str = "") -> tuple[Recording,
 
 def _along(recording: Recording, why: str) -> Recording:
     if recording.controller.kind == "none":
-        why = "No controller holds the machine, so that its simulation drifts"
-    note = (f"{why}: the torque along the measured motion is compared.",) if why else ()
+        why = "No controller holds the machine, so its simulation drifts"
+    note = (f"{why}; instead, the torque along the measured motion is compared.",) if why else ()
     asked = ("position_reference", "velocity_reference")
     return replace(
         recording,

@@ -217,7 +217,7 @@ def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int
             raise InputError(
                 f"its rows are {recording.period:g} s apart, but the model's file has steps of "
                 f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
-                remedy="leave it out where another file made the recording",
+                remedy="remove it if another model made the recording",
             )  # fmt: skip
         return (round(rows), float(own.timestep)), int(own.integrator)
     stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))

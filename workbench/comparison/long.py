@@ -64,8 +64,8 @@ def compare_logs(
         return compare(model, held, draws=draws, seed=seed)
     if model.floats:
         raise InputError(
-            f"the base of model '{model.name}' floats, and such models are not run on logs too long for "
-            "the memory",
+            f"the base of model '{model.name}' floats, and such models cannot run on logs that do not fit "
+            "into memory",
             file=next(s.source for s in sources if not isinstance(s, Recording)),
             remedy="cut shorter recordings out of them",
         )  # fmt: skip
@@ -77,7 +77,7 @@ def compare_logs(
     standing = next((r for r in sample if on_ground(r)), None)
     if standing is not None:
         raise InputError(
-            "recordings on the ground are not run if they are too long for the memory", file=standing.source,
+            "recordings on the ground cannot be run if they do not fit into memory", file=standing.source,
             column="columns.ground_force", remedy="cut shorter ones out of them",
         )  # fmt: skip
     replay = replay_of(model, sample)
@@ -198,5 +198,5 @@ def _notes(model: Model, parts: Sequence[_Part]) -> tuple[str, ...]:
         if model.has("thermal_derating"):
             notes.append(f"{p.source.name}: the motors' temperature restarts with each stretch")
         if r.controller.kind == "none" and not follows_motion(r):
-            notes.append(f"{p.source.name}: no controller holds the machine, so that each stretch drifts")
+            notes.append(f"{p.source.name}: no controller holds the machine, so each stretch drifts")
     return tuple(notes)

@@ -69,6 +69,6 @@ class NoiseModel:
 
 
 def noise_seeds(recordings: int, draws: int, seed: int) -> list[list[int]]:
-    """Distinct seeds, one list per draw with one number per recording."""
+    """Return distinct seeds, one list per draw with one number per recording."""
     children = np.random.SeedSequence(seed).generate_state(recordings * draws)
     return [[int(s) for s in children[d * recordings : (d + 1) * recordings]] for d in range(draws)]

@@ -29,7 +29,7 @@ Positions = Sequence[np.ndarray]
 
 
 def reads_unlogged_speed(model: Model, recordings: Sequence[Recording]) -> bool:
-    """Whether loops read a sensor of speed that was not logged."""
+    """Return whether loops read a sensor of speed that was not logged."""
     experiments = [prepare(r, model) for r in recordings if "velocity" in r.derived]
     return any(e.controller.kind in ("pd", "cascade_pv") and not differentiates(e) for e in experiments)
 
@@ -41,7 +41,7 @@ def noise_by_rest(
     drawn: Sequence[Recording],
     moved: Callable[[NoiseModel], Positions] | None,
 ) -> NoiseModel:
-    """Noise levels with no more noise of positions than a model's rest has, and with that of unlogged speeds.
+    """Return noise levels: of positions at most a model's residual, and those of speeds that were not logged.
 
     Args:
         noise: as the recordings tell it by themselves.

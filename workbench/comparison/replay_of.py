@@ -42,7 +42,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     if model.carried is not None:
         for each in recordings:
             refuse_joint_coordinates(each)
-        _refuse_blind(recordings, f"no torque is known. {_CARRIED}: effects show in the torque alone", _NAME)
+        why = f"no torque is known. {_CARRIED}, and then only the torque shows effects"
+        _refuse_blind(recordings, why, _NAME)
         return InverseDynamicsReplay(followed(recordings, _CARRIED), noise, model)
     if any(map(on_ground, recordings)):
         return ContactWindows(model, recordings, noise)

@@ -41,7 +41,7 @@ class Reversed:
 
     def __str__(self) -> str:
         named = " and ".join(f"'{axis}'" for axis in self.axes)
-        which = f"all axes (plain from weight and inertia at {named})" if self.whole else named
+        which = f"all axes (evident from weight and inertia at {named})" if self.whole else named
         left = left_before_and_after(self.before, self.after, "as recorded")
         return f"{self.signal} of {which} has the opposite sign to that of the model: negated, {left}"
 

@@ -64,14 +64,14 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     advice = _TRAIN if urdf else _stiffen(float(own_file.opt.timestep))
     return (
         f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {soft_there}: "
-        f"friction turns up to {1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would "
-        f"be {_against(own, rigid)}; {_STATE if theirs else advice}"
+        f"it changes sign up to {1e3 * max(leads.values()):.2g} ms before a reversal. With soft friction the "
+        f"error would be {_against(own, rigid)}; {_STATE if theirs else advice}"
     )
 
 
 def _against(own: float, rigid: float) -> str:
     new, old = f"{own:.3g}", f"{rigid:.3g}"
-    return f"{new} too" if new == old else f"{new} in place of {old}"
+    return f"{new} too" if new == old else f"{new} instead of {old}"
 
 
 def _stiffen(timestep: float) -> str:

@@ -195,9 +195,7 @@ def _notes(contact: Contact, measured: bool) -> tuple[str, ...]:
     held = contact.pressed > 10.0 * contact.force_noise
     if held.any() and len(ratio_in_slip(contact)) < FEWEST_SLIPS:
         least = float(np.quantile(contact.dragged[held] / contact.pressed[held], 0.99))
-        notes.append(
-            f"no foot slips, so that only a lower limit of the ground's friction is known: {least:.2f}"
-        )
+        notes.append(f"no foot slips, so only a lower limit of the ground's friction is known: {least:.2f}")
     return tuple(notes)
 
 

@@ -30,7 +30,7 @@ def refuse_overlaps(model: Model, recordings: Sequence[Recording]) -> None:
         named = ", ".join(f"'{one}' and '{other}'" for one, other in wrong)
         apart = "".join(f'<exclude body1="{one}" body2="{other}"/>' for one, other in wrong)
         raise InputError(
-            f"shapes of {named} overlap at every measured pose, so that their contact blocks the joints",
+            f"shapes of {named} overlap at every measured pose, and their contact blocks the joints",
             file=model.serial, column="contact", remedy=f"keep them apart: <contact>{apart}</contact>",
         )  # fmt: skip
 

@@ -138,11 +138,11 @@ def noted(reading: LoopAssumption) -> tuple[Recording, ...]:
         notes = list(out[i].notes)
         if reading.between_rows:
             held = bool(out[i].timing.reference_held)
-            how = "standing still from row to row" if held else "a smooth line through the rows"
+            how = "constant from row to row" if held else "a smooth line through the rows"
             sure = reading.sure_between_rows
             why = "which explains the recordings" if sure else "although the recordings hardly show it"
             notes.append(
-                f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
+                f"the loop runs faster than the log; between rows its reference is taken as {how}, {why}: "
                 f"state reference_held = {str(held).lower()} in [timing] if you know it"
             )
         speed = out[i].controller.velocity

@@ -49,7 +49,9 @@ class InputError(WorkbenchError):
         where += [f"{named} '{column}'"] if column is not None else []
         where += [f"row {row}"] if row is not None else []
         text = f"{', '.join(where)}: {problem}" if where else problem
-        text = f"{text}; {remedy}" if remedy else text
+        if remedy:  # behind a question stands a sentence of its own
+            asks = text.endswith("?")
+            text = f"{text} {remedy[0].upper()}{remedy[1:]}" if asks else f"{text}; {remedy}"
         super().__init__(text)
 
 

@@ -56,7 +56,7 @@ def _lock(bus: BusTable, config: CanConfig) -> Iterator[None]:
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     except OSError as error:
-        remedy = "see who owns that file"
+        remedy = "check who owns that file"
         raise InputError(f"cannot be opened ({error.strerror})", file=path, remedy=remedy) from error
     try:
         try:

@@ -44,4 +44,4 @@ class StopInput:
         refused, self._refused = self._refused, False
         if refused:
             return "the button"
-        return "the silence of the button" if now - self._heard > self._table.silent_s else None
+        return "a missing signal of the button" if now - self._heard > self._table.silent_s else None

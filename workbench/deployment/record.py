@@ -134,7 +134,7 @@ def from_run(config: CanConfig, log: Path) -> Recording:
     """
     if config.imu:
         raise InputError(
-            "where its base was is not known, so that nothing can be compared", file=log,
+            "the pose of its base is not known, so nothing can be compared", file=log,
             remedy="hold the base, and take [imu] out of the configuration",
         )  # fmt: skip
     try:

@@ -55,7 +55,7 @@ def brought_down(host: Host) -> Iterator[None]:
         raise
     except Exception as error:
         said = f"{type(error).__name__}: {error}"
-        raise RunError(f"the run broke off, and every drive was damped and disabled: {said}") from error
+        raise RunError(f"the run was aborted, and every drive was damped and disabled: {said}") from error
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -79,7 +79,7 @@ def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
 def orphaned() -> Callable[[], str | None]:
     """Return a watch that stops the run when the parent process is gone, as after a dropped connection."""
     parent = os.getppid()
-    return lambda: "the death of its parent" if os.getppid() != parent else None
+    return lambda: "the end of its parent process" if os.getppid() != parent else None
 
 
 def exit_code(result: Mapping[str, Any]) -> int:

@@ -43,7 +43,7 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
         return bool(child.steps), "the best so far" if child.steps else "no effect helps by itself"
     if best.diverges and child.keys > best.keys:
         return False, (
-            "it adds effects to the best so far, whose runs diverge, so that its remaining error says nothing"
+            "it adds effects to the best so far, whose runs diverge, so its remaining error says nothing"
         )
     if not best.done and halves_excess(rescored(child.current, best.data), best.current, best.data):
         return True, "it leaves less than half of the excess error of the best so far"

@@ -121,7 +121,7 @@ def compile_plant(
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
     if singular := [line for line in said if "singular" in line]:
         raise SimulationError(
-            f"model '{model.name}' with {effects} has a freedom without inertia: {singular[0]}; "
+            f"model '{model.name}' with {effects} has a degree of freedom without inertia: {singular[0]}; "
             "give its link a mass, or its drive an inertia"
         )
     _refuse_without_inertia(compiled, model)

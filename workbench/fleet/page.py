@@ -70,7 +70,12 @@ def _effect(number_: int, e: Shared) -> Section:
                 f": all robots {interval(Estimate(told.mean, told.std, unit))}; scatter {number(told.ratio)} "
                 f"times what the intervals allow (p = {number(told.p_value, 2)})"
             )
-        header = ("Robot", ">Estimate (95 %)", ">From the others [standard deviations]", "Stands out")
+        header = (
+            "Robot",
+            ">Estimate (95 %)",
+            ">Difference from the others [standard deviations]",
+            "Stands out",
+        )
         tables.append(SheetTable(caption, header, tuple(rows)))
         if told and len(by_robot) > 2:
             panels.append(_panel(name, by_robot, told.mean))

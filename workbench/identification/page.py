@@ -73,8 +73,8 @@ def _sheet(
 ) -> Sheet:  # fmt: skip
     j = fit.judgement
     judged = SheetTable(
-        "The residual of the fit, weighted by the measured covariances, beside the residual that a "
-        "true model would have",
+        "The residual of the fit, weighted by the measured covariances, and the residual that a "
+        "correct model would have",
         ("Test", ">Found", ">Expected", ">Deviation", "Passed"),
         (
             ("size", number(j.cost), number(j.expected), number(j.std), "yes" if j.size_fine else "no"),
@@ -100,7 +100,7 @@ def _sheet(
         ),
         sections=(
             Section("estimates", "Estimates", tables=(table,)),
-            Section("judgement", "Is the model enough?", tables=(judged,), remarks=fit.notes),
+            Section("judgement", "Does the model explain the response?", tables=(judged,), remarks=fit.notes),
             *_responses(fit, frfs),
             *notes_of(frfs),
         ),

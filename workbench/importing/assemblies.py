@@ -36,7 +36,7 @@ class Assemblies:
         own = _said({name: self.own[name] for name in _differs(self.own, self.others[0])})
         return (
             f"The loops close in {1 + len(self.others)} ways. At {there}, this model has {own}; the "
-            f"other is {ways}: {chosen}"
+            f"alternative is {ways}; to choose it: {chosen}"
         )
 
 

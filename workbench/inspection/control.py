@@ -11,7 +11,7 @@ from workbench.core.text import counted
 
 from .coordinates import Elsewhere, found_elsewhere, maps
 from .factors import name_factor
-from .law import LawFit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
+from .law import LawFit, Ticks, fit_commands, fit_gains, fit_sensors, ticks, unexplained
 from .result import Remark
 from .speeds import explain_speed, remark_on_speed
 from .ticks import find_ticks
@@ -163,7 +163,7 @@ def _read_gains(recording: Recording, fit: LawFit, m: np.ndarray) -> list[Remark
     gains = {k: f for k, (f, s) in known.items() if not k.startswith("feedforward")}
     sure = max(_OFF, 2 * fit.rest)
     off = {k: f for k, (f, std) in known.items() if abs(f - 1) > max(sure, 5 * std)}
-    rough = f"{100 * fit.rest:.1g} % of it remains unexplained"
+    rough = unexplained(fit.rest)
     if not off:
         text = f"The logged command follows the stated law; {rough}."
         return [Remark("ok" if fit.rest < _EXACT else "note", "gains", None, text, value)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.core import Controller, Recording
 
-from .law import Ticks, fit_gains, ticks
+from .law import Ticks, fit_gains, ticks, unexplained
 from .ticks import find_ticks
 
 _EXACT = 0.005  # what a law that holds may leave, as a part of the command's variation
@@ -29,7 +29,7 @@ class Elsewhere:
     def __str__(self) -> str:
         return (
             f"in {self.coordinates} coordinates the logged command follows the stated law "
-            f"({100 * self.rest:.1g} % of it remains unexplained), in {self.stated} coordinates, as "
+            f"({unexplained(self.rest)}), in {self.stated} coordinates, as "
             f"stated, it does not ({100 * self.rest_stated:.2g} % remains)"
         )
 

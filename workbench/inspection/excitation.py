@@ -34,7 +34,7 @@ def remark_on_excitation(recording: Recording, excited: tuple[Excited, ...]) -> 
             "note",
             "excitation",
             e.axis,
-            f"Axis '{e.axis}' is held still, so that it cannot show its own effects.",
+            f"Axis '{e.axis}' is held still, so it cannot show its own effects.",
         )
         for e in excited
         if e.held

@@ -21,7 +21,7 @@ _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
 _SURE = 8.0  # standard deviations
 _STRETCHES = 8  # of the recording; each is left out once
 _EXPLAINED = 0.4  # of the acceleration, before anything is said
-_OTHERS = " This check is blind to slow axes: import with --model tells each by its weight."
+_OTHERS = " This check cannot judge slow axes; import with --model checks each axis by its weight."
 _ALIKE = 3.0  # times: two couplings that friction and noise make unlike are still of one size
 
 

@@ -179,3 +179,8 @@ def _free(command: np.ndarray, c: Controller) -> np.ndarray:
         at = np.abs(command - extreme) <= near
         free &= ~(at & ((at.sum(axis=0) > 1) | both))
     return free
+
+
+def unexplained(rest: float) -> str:
+    """Return the part of a command's variation that a law leaves, in words; rounding gets no digits."""
+    return f"{f'{100 * rest:.1g}' if rest >= 1e-5 else 'less than 0.001'} % of it remains unexplained"

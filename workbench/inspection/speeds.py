@@ -10,7 +10,7 @@ import scipy
 
 from workbench.core import Recording
 
-from .law import LawFit, fit_gains, ticks
+from .law import LawFit, fit_gains, ticks, unexplained
 from .result import Remark
 
 _OFF = 0.02  # relative deviation of a gain that is told
@@ -38,7 +38,7 @@ class Explanation:
 
     def told(self, axes: Sequence[str]) -> str:
         """Return in words the speed, the row, and the gains that differ from the stated ones."""
-        row = f"of {self.late} tick before" if self.late else "of the same row"
+        row = f"of {self.late} tick earlier" if self.late else "of the same row"
         named = [(name.rsplit("_", 1), factor) for name, factor in self.off.items()]
         gains = [
             f"{gain} of '{axes[int(i)]}' {factor:.4g} times the stated one" for (gain, i), factor in named
@@ -76,11 +76,11 @@ def remark_on_speed(found: Sequence[Explanation], axes: Sequence[str]) -> Remark
     best, *others = found
     stated = [e for e in others if not e.off]
     shown = [*stated[:2], *[e for e in others if e.off][:1]]
-    rest = f"{100 * best.fit.rest:.1g} % of it remains unexplained"
+    rest = unexplained(best.fit.rest)
     text = f"With {best.told(axes)}, the logged command follows the stated law; {rest}."
     if shown:
         ways = "; ".join(e.told(axes) for e in shown)
-        text += f" Equally good: {ways}. No speed was logged, so that they cannot be distinguished."
+        text += f" Equally good: {ways}. No speed was logged, so they cannot be distinguished."
     value = {
         "factors": {k: {"value": f, "std": s} for k, (f, s) in best.fit.by_name.items()},
         "unexplained": best.fit.rest,

@@ -105,7 +105,7 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     elif len(wanted) == 1:
         draft.assume("axes", wanted[0], 0.98, "the model's only axis")
     else:
-        pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))
+        pairs = ", ".join(f"{positions[j]} is {w}" for j, w in zip(joints, wanted, strict=True))
         draft.assume("axes", ", ".join(wanted), 0.85, "the model's order")
         text = f"Names in the file and in the model differ. Is this assignment right: {pairs}?"
         named = ",".join(wanted)

@@ -44,7 +44,7 @@ def merged(table: Table, series: Sequence[LoggedSeries], time: str, answers: Ans
             columns[name] = moved
     notes = table.notes
     if len(usable) > 1 and not table.series:
-        notes = (*notes, f"{len(usable)} series with rows of their own are resampled to the rows of one.")
+        notes = (*notes, f"{len(usable)} series with different time stamps are resampled to the rows of one.")
     several = tuple(usable) if len(usable) > 1 else ()
     return replace(table, columns=columns, notes=notes, series=several, plain=False)
 

@@ -91,7 +91,8 @@ def _check_answers(table: Table, answers: Answers) -> None:
     for kind, text in answers.units.items():
         wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
         if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
-            remedy = f"e.g. --unit {kind}={UNITS[kind]}" if kind in UNITS else f"choose of {', '.join(UNITS)}"
+            known = f"choose one of {', '.join(UNITS)}"
+            remedy = f"e.g. --unit {kind}={UNITS[kind]}" if kind in UNITS else known
             if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
                 remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one per axis"
             raise InputError(
@@ -194,7 +195,7 @@ def _description(
         )
         options = ("actuator", "joint")
         draft.questions.append(Question("coordinates", text, options, "actuator", "--coordinates actuator"))
-        draft.assume("coordinates", "actuator", 0.7, "drives carry the encoders as a rule")
+        draft.assume("coordinates", "actuator", 0.7, "encoders usually sit at the drives")
     return {
         "format": 1,
         "rig": "",

@@ -38,7 +38,7 @@ def speeds_that_are_references(out: Signals, data: dict[str, np.ndarray]) -> Non
             wrong.append(joint)
     if wrong and len(wrong) >= 0.5 * len(velocities) and "position_reference" not in out.columns:
         for joint in velocities:
-            out.put("position_reference", joint, velocities[joint], "it runs along the position", 0.95)
+            out.put("position_reference", joint, velocities[joint], "it stays close to the position", 0.95)
         out.drop("velocity")
 
 
@@ -72,7 +72,7 @@ def unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[st
     # beyond what a loop can follow, a position is unlike its reference, and its name is all there is
     if positions and all(j in by_name and _may_lead(out, data, j, by_name[j], roles) for j in positions):
         for joint in positions:
-            because = "its name; of the position's size, though hardly followed"
+            because = "its name; as large as the position, which hardly follows it"
             out.put("position_reference", joint, by_name[joint], because, 0.93)
         return
     found: dict[str, tuple[float, str]] = {}

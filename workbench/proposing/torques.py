@@ -30,11 +30,11 @@ def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
         elif commanded:
             out.put("torque_measured", joint, column, f"{because}; the other one is the command", 0.96)
         elif law:
-            out.put("torque_command", joint, column, "a law of the logged errors and speeds", 0.97)
+            out.put("torque_command", joint, column, "a control law of the logged errors and speeds", 0.97)
         elif held:
-            out.put("torque_command", joint, column, "held for rows, as a controller's output is", 0.9)
+            out.put("torque_command", joint, column, "constant over rows, like a controller's output", 0.9)
         else:
-            out.put("torque_measured", joint, column, "its name; not said whether measured", 0.91)
+            out.put("torque_measured", joint, column, "its name, which does not say if measured", 0.91)
 
 
 def take_drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:

@@ -186,8 +186,8 @@ def near_sentence(near: Sequence[Finding]) -> str:
         told.append(f"{effect_phrase(f.key)} ({', '.join(in_words(f.parameters))})")
     verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
     return (
-        f"{capital(any_of(told, 'and'))} {verb} not certain: a free function, of the same quantity or "
-        "of another, explains as much or more in its place."
+        f"{capital(any_of(told, 'and'))} {verb} not certain: an arbitrary smooth curve over the same or "
+        "another quantity explains as much or more."
     )
 
 

@@ -22,11 +22,9 @@ def verification_sheet(result: Verification) -> Sheet:
     closest = max(
         result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None
     )
-    margin = (
-        ("Tightest", quantity_name(closest.name), f"{closest.value:.1e} of {closest.tolerance:.0e} allowed")
-        if closest is not None
-        else ("Tightest", "–", "")
-    )
+    name, margin = "–", ""
+    if closest is not None:
+        name, margin = quantity_name(closest.name), f"{closest.value:.1e} of {closest.tolerance:.0e} allowed"
     stable = ()
     if len(result.radius):
         top = float(np.max(result.radius))
@@ -45,7 +43,7 @@ def verification_sheet(result: Verification) -> Sheet:
         lines=tuple(f"{quantity_name(c.name)}: {c.hint}." for c in broken if c.hint)[:3],
         key_numbers=(
             ("Agree", f"{len(result.checks) - len(broken)} of {len(result.checks)}", "quantities"),
-            margin,
+            ("Closest to its limit", name, margin),
             *stable,
         ),
         sections=(_checks(result), *_masses(result), *_radius(result), *_stated(result)),
@@ -58,7 +56,7 @@ def _checks(result: Verification) -> Section:
         (
             quantity_name(c.name),
             "ok" if c.passed else "FAILS",
-            f"{c.value:.1e}",
+            f"{c.value:.1e}" if c.value else "0",
             f"{c.tolerance:.0e}",
             unit_text(c.unit) or "relative",
             c.about,
@@ -66,7 +64,7 @@ def _checks(result: Verification) -> Section:
         for c in result.checks
     )
     table = SheetTable(
-        "Largest difference between what the last column names, and the largest that is allowed",
+        "Largest difference between the engines of the last column, and the largest difference allowed",
         ("Quantity", "Result", ">Difference", ">Allowed", "Unit", "Between"),
         rows,
     )
@@ -124,11 +122,7 @@ def _stated(result: Verification) -> tuple[Section, ...]:
         f"{about} {number(v)} {unit_text(unit)}".rstrip() + "." for v, unit, about in result.facts.values()
     ]
     lines += [f"Not checked: {line}" for line in result.not_checked]
-    return (
-        (Section("stated", "Differences that are stated, not checked", remarks=tuple(lines)),)
-        if lines
-        else ()
-    )
+    return (Section("stated", "Reported, but not checked", remarks=tuple(lines)),) if lines else ()
 
 
 def _figure(result: Verification) -> Figure:

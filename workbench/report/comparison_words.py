@@ -46,7 +46,7 @@ def loop_sentence(result: Comparison) -> str:
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     alike = ", in all recordings alike" if len(names) < len(still) else ""
     return (
-        f"The controller of {which} is not known, so that only the torque that the motion needs is "
+        f"The controller of {which} is not known, so only the torque that the motion needs is "
         f"compared{alike}. State its gains in [controller]."
     )
 
@@ -61,7 +61,7 @@ def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str
         for a, e in zip(before.axes, inverse.axis_relative_error, strict=False)
     )
     text = (
-        f"The torque that the model needs for the measured motion differs from the torque measured by "
+        f"The torque that the model needs for the measured motion differs from the measured torque by "
         f"{percent(inverse.relative_error)} ({each}; filter: {plain(inverse.filter)})."
     )
     if after is not None and after.inverse_dynamics is not None:
@@ -70,8 +70,8 @@ def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str
 
 
 def outlier_phrase(outlier: Outlier) -> str:
-    """Return ``"the knee position misses by 1.44 times its own noise, where noise makes 1.3 at most"``."""
+    """Return ``"the knee position is off by 1.44 times its own noise; noise alone explains at most 1.3"``."""
     return (
-        f"the {plain(outlier.axis)} {outlier.signal} misses by {short(outlier.ratio)} times its own noise, "
-        f"where noise makes {short(outlier.limit)} at most"
+        f"the {plain(outlier.axis)} {outlier.signal} is off by {short(outlier.ratio)} times its own noise; "
+        f"noise alone explains at most {short(outlier.limit)}"
     )

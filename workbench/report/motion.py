@@ -61,7 +61,7 @@ def motion_page(
     return template("motion.html.j2").render(
         kind="motion",
         model=title,
-        tone="",
+        tone="neutral",
         sentence=title,
         lines=list(lines),
         key_numbers=[],

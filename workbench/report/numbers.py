@@ -41,9 +41,14 @@ def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:
 
 def unbroken(text: str) -> str:
     """Return `text` with non-breaking spaces inside quantities."""
-    for old, new in ((" ± ", "\u00a0±\u00a0"), (" %", "\u00a0%"), (" N m", "\u00a0N\u00a0m")):
+    for old, new in (
+        (" ± ", "\u00a0±\u00a0"),
+        (" %", "\u00a0%"),
+        (" N m", "\u00a0N\u00a0m"),
+        (" kg m", "\u00a0kg\u00a0m"),
+    ):
         text = text.replace(old, new)
-    return re.sub(r"(?<=\d) (?=[µm]?(?:rad|m|N|s|Hz)\b)", "\u00a0", text)
+    return re.sub(r"(?<=\d) (?=[µm]?(?:rad|kg|m|N|s|Hz)\b)", "\u00a0", text)
 
 
 def percent(share: float | None) -> str:

@@ -195,8 +195,11 @@ def _finite(value: float) -> float | None:
 
 
 def _gaps(entry: RecordingError) -> list[list[float]]:
-    """Start and end [s] of the stretches that were not measured; at most the first few hundred."""
-    bad = np.concatenate([[False], ~np.asarray(entry.recording.valid, bool), [False]])
+    """Start and end [s] of the stretches not measured or not compared; at most the first few hundred."""
+    left_out = ~np.asarray(entry.recording.valid, bool)
+    if has(entry, "torque_measured") and not has(entry, "position"):
+        left_out |= (entry.residual("torque_measured") == 0.0).all(axis=1)
+    bad = np.concatenate([[False], left_out, [False]])
     edges = np.flatnonzero(np.diff(bad.astype(int)))
     dt = entry.recording.period
     return [[float(a * dt), float((b - 1) * dt)] for a, b in edges.reshape(-1, 2)[:_MAX_GAPS]]

@@ -11,7 +11,7 @@ from workbench.core import Comparison, RecordingError
 
 from .numbers import handy, number, plain, short
 from .pack import partner, worst_view
-from .residuals import Signal, column, has, min_max, noise, rmse, units
+from .residuals import Signal, column, compared, has, min_max, noise, rmse, units
 
 #: Size of the drawing's own coordinates; the page stretches it.
 WIDTH, HEIGHT = 1000, 100
@@ -43,6 +43,7 @@ class Strips:
         title: which signal of which axis, in which recording.
         strips: top first.
         band: half the height of twice the noise, in the drawing's coordinates; None where it is not known.
+        noise: twice the noise, with unit; empty where it is not known.
         scale: what the drawing's half height is, with unit.
         duration: of the recording, with unit.
     """
@@ -50,6 +51,7 @@ class Strips:
     title: str
     strips: tuple[Strip, ...]
     band: float | None
+    noise: str
     scale: str
     duration: str
 
@@ -89,6 +91,7 @@ def residual_strips(before: Comparison | None, after: Comparison | None) -> Stri
             for style, run, label in runs
         ),
         band=min(1.0, floor / half) * HEIGHT / 2 if math.isfinite(floor) else None,
+        noise=f"{number(factor * floor, 2)} {small}" if math.isfinite(floor) else "",
         scale=f"{number(factor * half, 2)} {small}",
         duration=f"{short(entry.recording.duration)} s",
     )
@@ -108,15 +111,14 @@ def _worst_signal(comparison: Comparison, entry: RecordingError, axis: str) -> S
 
 def _half(entry: RecordingError, name: Signal, k: int) -> float:
     """Half the height of the drawing: it holds all but the rarest values."""
-    values = np.abs(entry.residual(name)[:, k])
+    values = np.abs(compared(entry, name)[:, k])
     values = values[np.isfinite(values)]
     return 1.05 * float(np.quantile(values, 0.999)) if len(values) else 0.0
 
 
 def _path(entry: RecordingError, name: Signal, k: int, half: float) -> str:
-    """The residual as an SVG path; broken where nothing was measured, cut at the edges."""
-    values = entry.residual(name)[:, k].astype(float)
-    values[~np.asarray(entry.recording.valid, bool)] = np.nan
+    """The residual as an SVG path; broken where nothing was compared, cut at the edges."""
+    values = compared(entry, name)[:, k]
     finite = np.isfinite(values)
     thin, stride = min_max(np.where(finite, values, 0.0), _STRETCHES)
     at = np.minimum(np.arange(len(thin)) * stride, len(values) - 1)

@@ -118,6 +118,15 @@ def _quantity(entry: RecordingError, against: Quantity, k: int) -> np.ndarray:
     return np.gradient(motion, run.period)
 
 
+def compared(entry: RecordingError, name: Signal) -> np.ndarray:
+    """Return the residual (N, n) with NaN where nothing was measured, or where it was not compared.
+
+    Along a measured motion, rows that do not count (its ends, standstill) leave exactly nothing.
+    """
+    residual = np.where(np.asarray(entry.recording.valid, bool)[:, None], entry.residual(name), np.nan)
+    return residual if has(entry, "position") else np.where(residual == 0.0, np.nan, residual)
+
+
 def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -> Binned:
     """Return a signal's residual against speed, position, load or acceleration, all recordings together.
 
@@ -129,10 +138,8 @@ def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -
         if k is None or not has(entry, name):
             continue
         x = _quantity(entry, against, k)
-        y = entry.residual(name)[:, k]
-        if not has(entry, "position"):  # along the measured motion: rows that do not count leave nothing
-            y = np.where(y == 0.0, np.nan, y)
-        good = np.asarray(entry.recording.valid, bool) & np.isfinite(x) & np.isfinite(y)
+        y = compared(entry, name)[:, k]
+        good = np.isfinite(x) & np.isfinite(y)
         xs.append(x[good])
         ys.append(y[good])
     empty = np.empty(0)

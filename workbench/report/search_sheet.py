@@ -24,9 +24,9 @@ def trace_sheet(result: Diagnosis) -> Sheet:
     """Return a trace's page: a drawing, a table of what was tried, alternatives of each effect."""
     trace = result.trace
     first = (
-        "Each line starts from a model and adds effects. It replaces the best so far if it explains "
-        "the recordings and that one does not, leaves less than half of its excess error, or is as "
-        "good and simpler."
+        "Each line starts from a model and adds effects. Its result becomes the best so far if it "
+        "explains the recordings and the best does not, or if it leaves less than half of the excess "
+        "error of the best, or if it is as good and simpler."
         if trace
         else "Nothing was searched: the model explains the recordings as it is."
     )
@@ -37,8 +37,8 @@ def trace_sheet(result: Diagnosis) -> Sheet:
         sentence=diagnosis_sentence(result),
         lines=(first,),
         key_numbers=(
-            ("Tried", str(len(trace)), "starts and changes"),
-            ("Taken", str(sum(t.taken for t in trace)), "became the best so far"),
+            ("Tried", str(len(trace)), "models, in this order"),
+            ("Accepted", str(sum(t.taken for t in trace)), "became the best so far"),
         ),
         sections=(_tried(trace), *_rivals(trace)) if trace else (),
     )
@@ -70,7 +70,7 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
         ax.set_xticks(axis.ticks, [f"{x:g}" for x in axis.ticks])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
-        ax.set_title("One dot per effect added; a filled last dot: accepted")
+        ax.set_title("One small dot per effect added; last dot filled: accepted")
     return figure
 
 
@@ -88,7 +88,7 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
                 rows.append((f"{k}. {w.capital(w.effect_phrase(key))}", "; ".join(others)))
     if not rows:
         return ()
-    caption = "Share of the squared error above the noise there that each removes by itself, best first"
+    caption = "Share of the squared error above the noise that each effect removes by itself at this step"
     table = SheetTable(caption, ("Effect added", "Other effects that were fitted in its place"), tuple(rows))
     return (Section("rivals", "The candidates for each effect", tables=(table,)),)
 
@@ -96,7 +96,4 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
 def _words(trace: Sequence[Tried]) -> str:
     last = next((t for t in reversed(trace) if t.taken), trace[-1])
     left = number(last.times_noise[-1])
-    return (
-        f"{len(trace)} starts and changes were tried; the last accepted one has an error of {left} times "
-        "the noise."
-    )
+    return f"{len(trace)} models were tried; the last accepted one has an error of {left} times the noise."

@@ -22,7 +22,6 @@ from .trace import trace_table
 from .truth import truth_rows
 
 _RANKED = 10
-_QUANTITIES = ("speed", "position", "frequency", "time")
 _ROWS = 6
 
 
@@ -170,7 +169,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     for f in found:
         error = f.error_after if isinstance(f, Finding) else f.error
         total = w.total_phrase(findings[f.key]) if f.key in findings else ""
-        lines = [f"In all {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
+        lines = [f"Total {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
         if isinstance(f, Finding) and f.holdout_error_after is not None:
             lines.append(w.holdout_sentence(f.holdout_error_before, f.holdout_error_after))
         lines += [w.removed_sentence(f)] if isinstance(f, Step) else []
@@ -220,7 +219,7 @@ def _left(result: Result, after: Comparison | None) -> tuple[Share, ...]:
 
 
 def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    """Return shares of the excess in groups: by speed, position, frequency and time."""
+    """Return shares of the excess in groups, by speed, position, frequency and time; the largest first."""
     groups: dict[str, list[dict[str, str]]] = {}
     for s in sorted(shares, key=lambda s: -s.share):
         low, high = s.range
@@ -233,8 +232,7 @@ def share_groups(shares: Iterable[Share]) -> list[dict[str, Any]]:
                 "width": bar_width(s.share),
             }
         )
-    order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
-    return [{"quantity": plain(q), "rows": groups[q][:_ROWS]} for q in order]
+    return [{"quantity": plain(q), "rows": rows[:_ROWS]} for q, rows in groups.items()]
 
 
 def bar_width(share: float) -> str:

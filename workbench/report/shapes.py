@@ -50,7 +50,7 @@ def shape_figure(result: Diagnosis) -> Figure:
             a.set_title(f"{_titled(shape)}: {percent(shape.share)}")
         for a in grid.flat[len(shown) :]:
             a.set_visible(False)
-        figure.suptitle("What no effect explains: shapes, not causes", fontsize=10)
+        figure.suptitle("What no effect explains: descriptions, not causes", fontsize=10)
     return figure
 
 
@@ -88,7 +88,7 @@ def _ends(shape: Shape) -> str:
         f"{word} {number(float(shape.torque[k]))} {unit} at {short(float(shape.grid[k]))} {shape.units[0]}"
         for word, k in zip(("least", "most"), at, strict=True)
     ]
-    return f"{', '.join(ends)}, give or take {number(2.0 * float(np.median(shape.std)), 2)} {unit}"
+    return f"{', '.join(ends)}, each ± {number(2.0 * float(np.median(shape.std)), 2)} {unit}"
 
 
 def _titled(shape: Shape) -> str:

@@ -132,7 +132,7 @@ def improvement_table(result: Improvement) -> Group:
         if finding is not None:
             total = w.total_phrase(finding)
             if total:
-                table.add_row(_text(f"  in all {total}"))
+                table.add_row(_text(f"  total {total}"))
             table.add_row(Text(f"  {percent(finding.probability)} probable"))
         twins = result.steps[i - 1].indistinguishable_from if i else ()
         if twins:
@@ -190,7 +190,7 @@ def _finding(place: int, f: Finding, held_floor: float | None) -> list[Renderabl
         rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}{known}"))
     total = w.total_phrase(f)
     if total:
-        rows.add_row("in all", total)
+        rows.add_row("total", total)
     rows.add_row("error with it", number(f.error_after))
     if f.holdout_error_before is not None and f.holdout_error_after is not None:
         fall = f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}"

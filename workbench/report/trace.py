@@ -12,7 +12,7 @@ from .json_parts import key_dict, key_dicts
 from .numbers import number, percent
 from .sheet import SheetTable
 
-_HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Explained", "Taken?", "Why")
+_HEADER = ("What was tried", "Effects in the model", ">Error / noise", ">Explained", "Accepted?", "Why")
 
 
 def trace_table(trace: Sequence[Tried]) -> SheetTable:

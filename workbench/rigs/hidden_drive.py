@@ -18,7 +18,7 @@ def torque_constant_error(machine: Machine, at: Place, *, gain: float) -> None:
 
 
 def command_delay(machine: Machine, at: Place, *, time: float) -> None:
-    """Beyond T_d, both drives, ahead of the torque sensor."""
+    """A delay beyond T_d in both drives, ahead of the torque sensor."""
     machine.delay += time
 
 

@@ -18,7 +18,7 @@ def joint_compliance(machine: Machine, at: Place, *, stiffness: float, damping: 
 
 
 def backlash(machine: Machine, at: Place, *, gap: float, stiffness: float, damping: float = 0.0) -> None:
-    """A dead zone of `gap` in all between motor and link; either flank has this stiffness and damping."""
+    """A dead zone of width `gap` between motor and link; both flanks have this stiffness and damping."""
     _couple(machine, at, Coupling(stiffness, damping, gap))
 
 

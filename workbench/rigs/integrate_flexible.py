@@ -80,7 +80,8 @@ class FlexibleIntegrator:
         step = min(_STEP, _PART / max(fastest, 1.0))
         if step < _SHORTEST:
             raise SimulationError(
-                f"a mode of the leg turns at {fastest:.2g} rad/s, too fast to follow: make its spring softer"
+                f"a mode of the leg oscillates at {fastest:.2g} rad/s, too fast to simulate: "
+                "make its spring softer"
             )
         return step
 

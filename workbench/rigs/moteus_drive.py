@@ -90,7 +90,7 @@ class MoteusDrive:
         Raises:
             FrameError: always.
         """
-        raise FrameError("a moteus answers what it is asked")
+        raise FrameError("a moteus answers queries only")
 
     def confirm(self, parameter: Parameter) -> None:
         """Not used: nothing is confirmed."""

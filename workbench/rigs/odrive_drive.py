@@ -77,7 +77,7 @@ class OdriveDrive:
         Raises:
             FrameError: always.
         """
-        raise FrameError("an odrive answers what it is asked")
+        raise FrameError("an odrive answers queries only")
 
     def confirm(self, parameter: Parameter) -> None:
         """Not used: nothing is confirmed."""

@@ -45,7 +45,7 @@ def drive_map(model: Model, chain: PostureDependent | None = None) -> DriveMap |
             break
     if error > _ALLOWED:
         raise InputError(
-            f"drive positions of '{model.name}' are no short polynomial of its joints (off by {error:.2g})",
+            f"no short polynomial gives the drive positions of '{model.name}' (error {error:.2g})",
             file=model.source, column="closed_chain.limits", remedy="narrow the limits",
         )  # fmt: skip
     return DriveMap(middle, half, powers, np.ascontiguousarray(factors.T))

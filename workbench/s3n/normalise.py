@@ -167,13 +167,13 @@ def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[str, ...]
     if left_out:
         lines += [
             "",
-            " Not in this file, since plain MJCF has no such thing: they need a function at every step.",
+            " Not in this file, because plain MJCF cannot state it: each needs a function at every step.",
         ]
         lines += [f"   {name}" for name in left_out]
     if substeps > 1:
-        lines += ["", f" Its springs ring fast: take steps no longer than 1/{substeps} of this timestep."]
+        lines += ["", f" Its springs oscillate fast: use steps of at most 1/{substeps} of this timestep."]
     if model.actuators.delay_s:
-        lines += ["", " The motors' delay holds down to half of this timestep."]
+        lines += ["", " The motors' delay is exact for timesteps down to half of this one."]
     return "\n".join(lines).replace("--", "- -") + "\n"
 
 

@@ -133,7 +133,9 @@ def _run(
         if row < rows - 1:
             plant.advance(q, v, last, np.array(acting), h)
         if not np.abs(v).max() < _FASTEST:
-            raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
+            raise SimulationError(
+                f"model '{plant.model.name}' becomes unstable in the loop of '{recording.name}'"
+            )
     return logged
 
 

@@ -95,9 +95,9 @@ def _too_light(model: Model, recording: Recording, controller: Controller) -> st
     if least[worst] <= own[worst]:
         return ""
     unit = "kg m^2" if recording.units[worst] == "rad" else "kg"
-    asked = f"its damping of {recording.axes[worst]} asks for at least {least[worst]:.2g} {unit} there"
+    asked = f"its damping gain of {recording.axes[worst]} needs at least {least[worst]:.2g} {unit}"
     return (
-        f"; held for {1e3 * controller.period_s:.3g} ms {asked}, where the model has {own[worst]:.2g}: "
+        f"; with a period of {1e3 * controller.period_s:.3g} ms {asked}, and the model has {own[worst]:.2g}: "
         "a rotor's inertia may be missing"
     )
 
@@ -108,4 +108,4 @@ def _loop(controller: Controller) -> str:
         for name in ("kp", "kd", "kv", "gain")
         if getattr(controller, name)
     ]
-    return f"its loop has {'; '.join(gains)}" if gains else "it runs in no loop"
+    return f"its loop has {'; '.join(gains)}" if gains else "it runs without a loop"

@@ -173,7 +173,7 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
         found.append("the model was compared with no recording")
     elif not record.get("consistent"):
         found.append(
-            f"its error is {record['error']:.3f} where noise alone leaves {record['noise_error']:.3f}"
+            f"its error is {record['error']:.3f}, and noise alone explains {record['noise_error']:.3f}"
         )
     return found
 

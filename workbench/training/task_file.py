@@ -179,4 +179,5 @@ def _between(table: _TaskTable, file: Path | None) -> Any:
 def _known(name: str, names: Any, key: str, file: Path | None) -> str:
     if name in names:
         return name
-    raise InputError(f"'{name}' is not there", file=file, column=key, remedy=f"choose of {', '.join(names)}")
+    remedy = f"choose one of {', '.join(names)}"
+    raise InputError(f"'{name}' is not there", file=file, column=key, remedy=remedy)

@@ -93,4 +93,5 @@ def _check(what: str, file: Path, values: Any, count: int | None, worlds: int = 
             remedy="give one row for each world",
         )  # fmt: skip
     if not np.isfinite(found).all():
-        raise InputError(f"{what} gives what is no number", file=file, remedy="keep it finite")
+        problem = f"{what} gives a value that is not a finite number"
+        raise InputError(problem, file=file, remedy="keep it finite")

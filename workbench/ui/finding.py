@@ -81,7 +81,7 @@ class Findings:
         if others:
             about = (
                 "The share of the squared error above the noise that each removes by itself, on data that it "
-                "was not fitted to, each signal weighed by its noise"
+                "was not fitted to, with each signal divided by its noise"
             )
             parts.append(text(f"<h3>Other explanations</h3><p class=quiet>{about}</p>"))
             parts += [self._other(key, share) for key, share in others]

@@ -13,6 +13,7 @@ import jinja2
 import panel as pn
 from bokeh.server.server import Server
 from bokeh.util.warnings import BokehUserWarning
+from panel.io.resources import LOCAL_DIST
 from panel.io.server import get_server
 from tornado.httputil import HTTPServerRequest
 from tornado.web import Application, ErrorHandler
@@ -105,6 +106,10 @@ def _document(live: Live) -> Any:
     """A tab was opened."""
     template = pn.Template(_page())
     document = pn.state.curdoc
+    # a slow browser connects when the session that sent its page has ended: Panel would then name its style
+    # sheets on the network
+    if document is not None:
+        document.template_variables.setdefault("dist_url", LOCAL_DIST)
     page = Page(live, document)
     for name, view in page.roots.items():
         template.add_panel(name, view)

@@ -206,7 +206,7 @@ def test_recordings_without_a_response_say_nothing() -> None:
         ),
         (
             HiddenEffect("cogging", "knee", parameters={"torque": 0.3, "order": 12.0, "phase": 0.4}),
-            "position, 12 times a revolution",
+            "a sine of position, 12 periods per revolution",
             0.3,
         ),
     ],

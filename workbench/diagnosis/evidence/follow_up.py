@@ -21,6 +21,7 @@ _ADVICE = {
     "time": "repeat the same run. If the error returns at the same time, it depends on the motion. If not, "
     "look for another cause, such as temperature or an outside force",
 }
+_AT = {"speed": "at speeds of ", "position": "at positions of ", "frequency": "at ", "time": "from "}
 
 
 def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recording]) -> str:
@@ -36,8 +37,10 @@ def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recordi
         return "Record slow sweeps, steady runs and a multisine, and hold out one recording for testing."
     most, rate = where[0], 1.0 / recordings[0].period
     low, high = most.range
-    place = f"{most.quantity} {low:.3g} to {high:.3g} {most.unit} of {most.axis}"
-    said = f"Most of the remaining error is in the {most.signal} around {place}: {_ADVICE[most.quantity]}"
+    place = f"{_AT[most.quantity]}{low:.3g} to {high:.3g} {most.unit}"
+    said = (
+        f"Most of the remaining error is in the {most.axis} {most.signal}, {place}: {_ADVICE[most.quantity]}"
+    )
     if most.quantity == "frequency" and low > POLICY.resolved * rate:
         return f"{said}, with a log faster than {rate:.4g} rows per second."
     command = _command(model, most, recordings)

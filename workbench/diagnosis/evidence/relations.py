@@ -145,7 +145,9 @@ def _columns(m: Missing, k: int) -> list[_Column]:
     if unit == "rad":
         columns += [
             _Column(
-                f"position, {n} times a revolution", torque, np.stack([np.cos(n * at), np.sin(n * at)], 1)
+                f"a sine of position, {n} periods per revolution",
+                torque,
+                np.stack([np.cos(n * at), np.sin(n * at)], 1),
             )
             for n in _ORDERS
             if n * np.ptp(at) > POLICY.order_turn * 2 * np.pi

@@ -160,8 +160,8 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
-        f"this law explains {share:.0f} % of what a free smooth curve over {own} explains on unseen data",
-        f"its value changes by at most {spread:.0f} % if a free curve over any other quantity is fitted too",
+        f"this law explains {share:.0f} % of what any smooth curve over {own} explains on unseen data",
+        f"its value changes by at most {spread:.0f} % if a curve over any other quantity is fitted too",
     ]
 
 

@@ -48,7 +48,7 @@ def grown(node: Node, problem: Problem) -> Node:
         step = _next_step(node, how, problem)
         if step is None:
             break
-        problem.progress(f"found {effect_phrase(step.added)}; simulating the noise")
+        problem.progress(f"simulating the noise with {effect_phrase(step.added)}")
         more = node.begun(move=node.move, growth=how, bold=node.bold)
         node = with_steps(more, (step,), problem.seed, wide=not how.through_divergence)
     return _settled(node, problem)

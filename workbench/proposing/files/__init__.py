@@ -45,7 +45,7 @@ _STARTS = b"{", b"[{", b"[["  # of JSON, whatever the file is called
 
 
 def open_table(path: Path, *, episode: int = 0) -> Table:
-    """The columns of a file or folder, whatever it is.
+    """Return the columns of a file or folder of any known format.
 
     Args:
         path: a table, a log, a ROS 2 bag or a LeRobot data set.

@@ -26,7 +26,7 @@ _WHOLE = "check that the file is whole"
 
 
 def read_parquet_file(path: Path) -> Table:
-    """Columns of a Parquet file; lists of fixed length become ``name[0]``, ``name[1]``..."""
+    """Return the columns of a Parquet file; lists of fixed length become ``name[0]``, ``name[1]``..."""
     try:
         with pq.ParquetFile(path) as file:
             check_cells(file.metadata.num_rows * file.metadata.num_columns, path)
@@ -41,7 +41,7 @@ def read_parquet_file(path: Path) -> Table:
 
 
 def parquet_columns(table: pa.Table, path: Path) -> tuple[dict[str, np.ndarray], bool]:
-    """Numbers of an Arrow table, and whether each stood in a column of its own."""
+    """Return the numbers of an Arrow table, and whether each stood in a column of its own."""
     out: dict[str, np.ndarray] = {}
     plain = len(set(table.column_names)) == len(table.column_names)
     for name, column in zip(table.column_names, table.columns, strict=True):
@@ -78,7 +78,7 @@ def check_unpacked(metadata: Any, path: Path) -> None:
 
 
 def read_matlab_file(path: Path) -> Table:
-    """Arrays of a MATLAB file up to version 7, by the names that the recording reader takes."""
+    """Return the arrays of a MATLAB file up to version 7, by the names that the recording reader takes."""
     arrays = {name: array for name, array in matlab_arrays(path).items() if array is not None}
     return stacked(path, arrays, plain=True)
 
@@ -90,7 +90,7 @@ def stacked(
     left: Sequence[str] = (),
     texts: Mapping[str, Sequence[str]] | None = None,
 ) -> Table:
-    """Arrays of the commonest length as columns, with ``[i]`` where an array has several.
+    """Return the arrays of the commonest length as columns, with ``[i]`` where an array has several.
 
     Args:
         path: of the file.
@@ -131,7 +131,7 @@ def stacked(
 
 
 def read_numpy_file(path: Path) -> Table:
-    """Arrays of a .npy or .npz file; one with objects in it is refused, not unpickled."""
+    """Return the arrays of a .npy or .npz file; one with objects in it is refused, not unpickled."""
     left: list[str] = []
     texts: dict[str, list[str]] = {}
     try:

@@ -12,7 +12,7 @@ from ..table import Table
 
 
 def read_can_log(path: Path) -> Table:
-    """Every signal of the DBC that was sent twice or more, at the frames of a measured position.
+    """Return every signal of the DBC that was sent twice or more, at the frames of a measured position.
 
     Raises:
         InputError: no DBC, or a log that cannot be read.

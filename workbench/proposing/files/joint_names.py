@@ -17,7 +17,7 @@ _NAMES = ("name", "names", "joint", "jointname", "motor", "axis", "id", "device"
 
 
 def named_by_text(table: Table, names: Sequence[str], texts: Mapping[str, Sequence[str]]) -> Table:
-    """A table of numbers with the joints that its text names; what else is text is said to be left out.
+    """Return a table of numbers, with joints named by its text; a note lists other text, which is left out.
 
     Args:
         table: the columns of numbers.
@@ -57,7 +57,7 @@ def named_by_text(table: Table, names: Sequence[str], texts: Mapping[str, Sequen
 def of_columns(
     names: Sequence[str], columns: Mapping[str, np.ndarray], texts: Mapping[str, Sequence[str]]
 ) -> dict[str, str]:
-    """Column -> joint, where columns of text name the joints and say the same in every row.
+    """Return column -> joint, where columns of text name the joints and are constant.
 
     ``name0, name1, position0, position1`` tells by its numbers which joint a column is of; without a header
     the joints stand first and then one number each, quantity after quantity.
@@ -82,7 +82,7 @@ def of_columns(
 
 
 def of_list(columns: Collection[str], lists: Mapping[str, Sequence[str]]) -> dict[str, str]:
-    """Column -> joint, where a list of names stands beside arrays with a column for each: ``q[0]``, ``q[1]``.
+    """Return column -> joint, where a list of names stands beside arrays: ``q[0]``, ``q[1]``.
 
     Args:
         columns: names of the columns.
@@ -103,7 +103,7 @@ def of_list(columns: Collection[str], lists: Mapping[str, Sequence[str]]) -> dic
 def of_rows(
     columns: Mapping[str, np.ndarray], texts: Mapping[str, Sequence[str]]
 ) -> tuple[list[LoggedSeries], dict[str, str], str, str] | None:
-    """A series a joint, where each row is of the joint that it names; None where rows are of all joints.
+    """Return one series per joint, where each row names its joint; None where a row holds all joints.
 
     Args:
         columns: of numbers, each (N,).

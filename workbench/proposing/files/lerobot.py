@@ -21,12 +21,12 @@ _WANTED = ("timestamp", "frame_index", "episode_index")
 
 
 def is_lerobot(folder: Path) -> bool:
-    """Whether a folder is such a data set."""
+    """Return whether a folder is a LeRobot data set."""
     return (folder / "meta" / "info.json").is_file()
 
 
 def read_lerobot(folder: Path, episode: int = 0) -> Table:
-    """One episode: state, action and time stamps, named after the motors.
+    """Return one episode: state, action and time stamps, named after the motors.
 
     Raises:
         InputError: no such episode, a file outside the folder, or files that cannot be read.

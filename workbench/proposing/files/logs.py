@@ -27,12 +27,12 @@ Messages = Iterator[tuple[str, int, Any]]
 
 
 def read_mcap_file(path: Path) -> Table:
-    """An MCAP file with ROS 2 or JSON messages."""
+    """Return the series of an MCAP file with ROS 2 or JSON messages."""
     return _table(path, _mcap_messages(path))
 
 
 def read_bag(folder: Path) -> Table:
-    """A ROS 2 bag: the folder with ``metadata.yaml``, its storage SQLite or MCAP."""
+    """Return the series of a ROS 2 bag: the folder with ``metadata.yaml``, its storage SQLite or MCAP."""
     files = sorted(folder.glob("*.mcap"))
     if files:
         messages = (m for file in files for m in _mcap_messages(inside(folder, file)))

@@ -40,7 +40,7 @@ class Style:
 
 
 def find_style(lines: list[str], encoding: str, path: Path) -> Style:
-    """The reading under which most lines are rows alike, with numbers in most columns.
+    """Return the separator, decimal sign and header under which most lines are similar rows of numbers.
 
     Args:
         lines: the file's first ones.
@@ -103,7 +103,7 @@ def _widths(rows: list[list[str]], decimal: str) -> Iterator[tuple[int, list[boo
 
 
 def cells_of(line: str, separator: str) -> list[str]:
-    """Cells of a line, without quotes; ``" "`` separates by any run of blanks."""
+    """Return the cells of a line, without quotes; ``" "`` separates by any run of blanks."""
     line = line.lstrip("\ufeff")
     parts = line.split() if separator == " " else line.split(separator)
     return [part.strip().strip('"').strip() for part in parts]

@@ -19,7 +19,7 @@ _SAVE = "save the numbers as .npz or .csv: numpy.savez('run.npz', **{k: v.numpy(
 
 
 def read_torch_file(path: Path) -> Table:
-    """Every tensor of numbers with one or two dimensions, by its name in the file.
+    """Return every tensor of numbers with one or two dimensions, by its name in the file.
 
     Raises:
         InputError: PyTorch is not installed, or the file holds more than tensors, numbers and text.

@@ -12,7 +12,7 @@ _DAY = 86400.0
 
 
 def stamps(cells: Sequence[str | None]) -> np.ndarray | None:
-    """Seconds (N,) since 1970, or since midnight of the first day; None where cells are no times."""
+    """Return seconds (N,) since 1970, or since midnight of the first day; None where cells are no times."""
     texts = [(cell or "").strip() for cell in cells]
     found = [_OF_DAY.fullmatch(text) for text in texts]
     if any(found) and all(f or not text for f, text in zip(found, texts, strict=True)):

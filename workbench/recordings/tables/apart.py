@@ -113,4 +113,4 @@ def _ended(code: int) -> str:
         how = signal.Signals(-code).name
     except ValueError:
         how = f"exit code {code}"
-    return f"it is damaged so that what reads it crashed ({how})"
+    return f"the file is damaged: its reader crashed ({how})"
