@@ -7,7 +7,7 @@ from .evaluate import evaluate
 from .following import followed
 from .long import compare_logs
 from .matching import matched, matched_ways
-from .measured_motion import in_time
+from .measured_motion import nearest_in_time
 from .noise import NoiseModel
 from .replay import Replay
 from .replay_of import replay_of
@@ -34,11 +34,11 @@ __all__ = [
     "compare_logs",
     "evaluate",
     "followed",
-    "in_time",
     "is_free",
     "is_weighable",
     "matched",
     "matched_ways",
+    "nearest_in_time",
     "noise_rules",
     "normalised",
     "replay_of",

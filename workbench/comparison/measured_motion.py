@@ -67,7 +67,7 @@ class FilteredRecording:
     def residual(self, plant: Plant) -> np.ndarray:
         """Return measured minus required torque after the filter, (N, n); zero on rows left out."""
         rest, late = self._rest(plant)
-        return np.where(self.counts, rest - np.clip(self._shift(rest, late), _EARLY, _LATE) * late, 0.0)
+        return np.where(self.counts, rest - nearest_in_time(self._shift(rest, late)) * late, 0.0)
 
     def slack(self, generator: np.random.Generator) -> np.ndarray:
         """Return a random draw (N, n) of the error that differentiation and filtering cause without noise."""
@@ -79,7 +79,8 @@ class FilteredRecording:
     def late(self, plant: Plant) -> np.ndarray:
         """Return what a delay of the measured torque by one row removes (N, n); zero if not allowed."""
         rest, late = self._rest(plant)
-        return np.where(self.counts & in_time(self._shift(rest, late)), late, 0.0)
+        shift = self._shift(rest, late)
+        return np.where(self.counts & (shift == nearest_in_time(shift)), late, 0.0)
 
     def beyond_time(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
         """Return measured minus required torque, and what a delay by one row removes of it, (N, n) each.
@@ -87,7 +88,8 @@ class FilteredRecording:
         Where the whole difference looks like a shift in time that no log has; zero elsewhere.
         """
         rest, late = self._rest(plant)
-        there = self.counts & ~in_time(self._shift(rest, late))
+        shift = self._shift(rest, late)
+        there = self.counts & (shift != nearest_in_time(shift))
         return np.where(there, rest, 0.0), np.where(there, late, 0.0)
 
     def free_start(self, plant: Plant) -> FreeStart:
@@ -150,12 +152,11 @@ class FilteredRecording:
         return self._rigid[key]
 
 
-def in_time(shift: np.ndarray, give: float = 0.0) -> np.ndarray:
-    """Return whether a log may show torques so late [rows]: those at a row, or those until the next one.
-
-    `give`: by how much the shift may be off.
+def nearest_in_time(shift: np.ndarray) -> np.ndarray:
+    """Return the nearest shift [rows] by which a log may show torques late: those at a row, or those until
+    the next one.
     """
-    return (shift + give > _EARLY) & (shift - give < _LATE)
+    return np.clip(shift, _EARLY, _LATE)
 
 
 def _unblurred(tap: np.ndarray) -> np.ndarray:

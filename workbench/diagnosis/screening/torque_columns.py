@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import in_time
+from workbench.comparison import nearest_in_time
 from workbench.core import EffectKey
 from workbench.effects import Compliance, OnGround, SignalStage, Values, effect_named, kinds, places
 from workbench.models import Model, Placement, alike_axes
@@ -143,10 +143,13 @@ def _timed(
         inverse = scaled_inverse(both.T @ both)
         found = inverse @ (both.T @ y)
         noise = float(np.sum((y - both @ found) ** 2)) / max(len(y) - both.shape[1], 1)
-        if in_time(found[0], POLICY.significant * np.sqrt(noise * inverse[0, 0])):
+        shift, give = found[0], POLICY.significant * np.sqrt(noise * inverse[0, 0])
+        if shift == nearest_in_time(shift):
             power = own @ own
             rest[:, axis] = y - own * (own @ y / power)
             x -= own[:, None] * (own @ x / power)
+        elif abs(shift - nearest_in_time(shift)) < give:
+            rest[:, axis] = y - own * nearest_in_time(shift)
 
 
 def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:
