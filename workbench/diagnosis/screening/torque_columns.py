@@ -15,7 +15,6 @@ from workbench.models import Model, Placement, alike_axes
 from ..data import Data
 from ..fitting.normal_equations import Normal, scaled_inverse, total
 from ..hypothesis import Fit
-from ..policy import POLICY
 from .equations import Entry, limits_of
 from .needed_torque import kept_rows, needing
 from .propagation import propagate_sensitivities
@@ -86,8 +85,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
         (data.residual(i, run) * data.weight)[own, 1]
         for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
     ]
-    for i, kept in enumerate(rows):
-        _timed(linearisation, i, kept, pieces[i], residuals[i], data)
+    _timed(linearisation, rows, pieces, residuals, data)
     folds = []
     for fold in data.folds:
         i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
@@ -124,32 +122,34 @@ def _filtered(
 
 def _timed(
     linearisation: Linearisation,
-    index: int,
-    rows: np.ndarray,
-    pieces: np.ndarray,
-    rest: np.ndarray,
+    rows: Sequence[np.ndarray],
+    pieces: Sequence[np.ndarray],
+    rests: Sequence[np.ndarray],
     data: Data,
 ) -> None:
     """Take what a shift of the torque in time would take up off columns (M, n, C) and residuals (M, n).
 
     A log may show its torque late by a part of a row. By how much is told beside all laws that may be
     missing: a weight that is wrong looks like many rows. What is many rows beside them is no part of the log.
+    All recordings of a machine show it alike, and a slow one alone hardly tells it.
     """
-    loop, weight = linearisation.loops[index], data.weight[1]
-    whole, late = (x[rows] * weight for x in loop.reading.beyond_time(loop.plant))
-    for axis in np.flatnonzero(np.any(late, axis=0)):
-        own, y, x = late[:, axis], whole[:, axis], pieces[:, axis]
+    weight = data.weight[1]
+    readings = [loop.reading.beyond_time(loop.plant) for loop in linearisation.loops]
+    whole, late = (
+        [x[own] * weight for x, own in zip(part, rows, strict=True)] for part in zip(*readings, strict=True)
+    )
+    for axis in range(linearisation.model.size):
+        there = [i for i, own in enumerate(late) if own[:, axis].any()]
+        if not there:
+            continue
+        own, y = (np.concatenate([part[i][:, axis] for i in there]) for part in (late, whole))
+        x = np.concatenate([pieces[i][:, axis] for i in there])
         both = np.column_stack([own, x[:, np.any(x, axis=0)]])
-        inverse = scaled_inverse(both.T @ both)
-        found = inverse @ (both.T @ y)
-        noise = float(np.sum((y - both @ found) ** 2)) / max(len(y) - both.shape[1], 1)
-        shift, give = found[0], POLICY.significant * np.sqrt(noise * inverse[0, 0])
-        if shift == nearest_in_time(shift):
-            power = own @ own
-            rest[:, axis] = y - own * (own @ y / power)
-            x -= own[:, None] * (own @ x / power)
-        elif abs(shift - nearest_in_time(shift)) < give:
-            rest[:, axis] = y - own * nearest_in_time(shift)
+        shift = (scaled_inverse(both.T @ both) @ (both.T @ y))[0]
+        for i in there if shift == nearest_in_time(shift) else ():
+            own, x = late[i][:, axis], pieces[i][:, axis]
+            rests[i][:, axis] = whole[i][:, axis] - own * (own @ whole[i][:, axis] / (own @ own))
+            x -= own[:, None] * (own @ x / (own @ own))
 
 
 def _alike(entries: Sequence[Entry], first: int, model: Model) -> tuple[Entry, ...]:
