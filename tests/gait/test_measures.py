@@ -30,7 +30,7 @@ def test_noise_and_rest_have_no_strides() -> None:
 
 
 @pytest.mark.parametrize("uneven", [(0.25, 0.32), (0.32, 0.25), (0.32, 0.0), (0.0, 0.32)])
-def test_steps_that_differ_in_turn_are_counted_alike_in_both_runs(uneven: tuple[float, float]) -> None:
+def test_steps_that_differ_in_turn_are_counted_alike(uneven: tuple[float, float]) -> None:
     """After one stride they are alike by 0.88, 0.81 or 1: at the edge of what is taken for a stride."""
     both = [
         np.sin(2.0 * np.pi * f * T) + a * np.sin(np.pi * f * T)

@@ -229,7 +229,7 @@ def test_what_the_rig_has_no_room_for_is_refused() -> None:
         VirtualLeg([DRIVE, PLAY])
     with pytest.raises(SimulationError, match="room for one compliant stand"):
         VirtualLeg([BASE, BASE])
-    with pytest.raises(SimulationError, match="too fast to follow"):
+    with pytest.raises(SimulationError, match="too fast to simulate"):
         VirtualLeg([HiddenEffect("backlash", "hip", parameters={"gap": 0.01, "stiffness": 1e12})])
     places = [("hip", "actuator"), ("knee", "actuator"), ("knee", "joint")]
     frictions = [HiddenEffect("coulomb_friction", a, p, {"torque": 0.1}) for a, p in places]

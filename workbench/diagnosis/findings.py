@@ -111,7 +111,9 @@ def _before(found: SearchResult, index: int) -> Fit:
     return next(f for f in reversed(fits[: index + 1]) if own >= f.hypothesis.keys)
 
 
-def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey], more: int) -> float:
+def _probability(
+    step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey], more: int = 0
+) -> float:
     """Return the probability that the name is right, from the next loss ratio and the unexplained share.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,

@@ -73,9 +73,7 @@ class Policy:
     next_best_doubt: float = 0.5  # probability lost where the next explanation does as well; less sure names
     next_best_decay: float = 8.0  # how fast that goes with the relative error of the next; surer names
     rival_doubt: float = 0.25  # weight of rivals in the probability, times their number²; less sure names
-    weight_alike: float = (
-        0.95  # cosine of a body's weight and torque biases, from which they look alike; surer names
-    )
+    weight_alike: float = 0.95  # cosine of a body's weight and torque biases that look alike; surer names
     weight_most: float = 4.0  # times its stated mass that a body of a linkage may weigh; less sure names
     plain_parameters: int = 2  # parameters up to which no early effect is doubted; fewer new starts
     ground_error: float = 1.5  # rms error / noise up to which names stand on the ground; more names
@@ -138,6 +136,7 @@ class Policy:
     start_deviation: float = 0.01  # the same on the ground, for the few rows about each start; wider ones
 
     # Adequacy: certain although something else is missing
+    path_settles: float = 0.05  # share of a log in which what a current was before it dies away; fewer rows
     basic_law: float = 0.9  # as `explained`, of friction and inertia against any curve; fewer are certain
     fewest_moving_rows: int = 50  # rows on which an axis moves; fewer effects are certain
     mass_acts: float = 0.01  # share of a mass's squared torque that an axis has, to be asked; fewer axes are

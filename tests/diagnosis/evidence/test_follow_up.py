@@ -44,7 +44,7 @@ def test_the_command_makes_an_experiment_of_that_band(
 ) -> None:
     said = follow_up(LEG, where, logs)
     command = re.search(r"workbench (excite [^()]*)\)", said)
-    assert command is not None and f"{where[0].quantity} {where[0].range[0]:.3g}" in said, said
+    assert command is not None and f"{where[0].range[0]:.3g} to {where[0].range[1]:.3g}" in said, said
     words = shlex.split(command[1].replace("next.toml", str(tmp_path / "next.toml")))
     assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
     low, high = band

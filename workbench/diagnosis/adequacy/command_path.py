@@ -22,7 +22,6 @@ from .free_functions import Adequacy
 
 #: How an effect stands that was found so: whole, and beside whatever else.
 ON_PATH = Adequacy(1.0, 1.0, 0.0)
-_BEGINNING = 0.05  # of a log, in which what a current was before it dies away
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ def _apart(linearisation: Linearisation) -> list[np.ndarray] | None:
 
 def _rows(recording: Recording) -> np.ndarray:
     """Return the rows (N,) that count."""
-    return recording.valid & (np.arange(len(recording)) >= _BEGINNING * len(recording))
+    return recording.valid & (np.arange(len(recording)) >= POLICY.path_settles * len(recording))
 
 
 def _noise(linearisation: Linearisation) -> np.ndarray:
