@@ -12,7 +12,7 @@ from workbench.simulation import Disturbance, Track, interpolate, slopes
 
 from .free_start import LEAST_GAIN, FreeStart
 from .inverse import lowpass
-from .measured_motion import FilteredRecording
+from .measured_motion import FilteredRecording, Lateness
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,23 @@ class Follower:
 
     def _timed(self, columns: np.ndarray) -> np.ndarray:
         """Columns (N, n, C), in own coordinates, without what a shift of the torque in time would take up."""
-        late = self._late
+        late = np.where(self.reading.counts & self.lateness.is_in_time, self.lateness.late, 0.0)
         size = np.maximum(np.sum(late**2, axis=0), 1e-300)
         out = np.where(self.reading.counts[:, :, None], columns, 0.0)
         return out - late[:, :, None] * (np.einsum("ki,kic->ic", late, out) / size[:, None])
 
     @cached_property
-    def _late(self) -> np.ndarray:
-        return self.reading.late(self.plant)
+    def lateness(self) -> Lateness:
+        """Return how the model's residual looks as a torque that is logged late."""
+        return self.reading.lateness(self.plant)
+
+    def beyond_time(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return measured minus required torque, and what a delay by one row removes of it, (N, n) each.
+
+        Where the whole difference looks like a shift in time that no log has; zero elsewhere.
+        """
+        there = self.reading.counts & ~self.lateness.is_in_time
+        return np.where(there, self.lateness.rest, 0.0), np.where(there, self.lateness.late, 0.0)
 
     @cached_property
     def _free(self) -> FreeStart:

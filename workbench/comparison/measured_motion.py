@@ -34,6 +34,26 @@ _SLACK = 0.004  # of a torque's root mean square
 _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidates share them
 
 
+@dataclass(frozen=True, eq=False)
+class Lateness:
+    """Measured minus needed torque, filtered, as a torque that is logged late.
+
+    Attributes:
+        rest: the difference, (N, n).
+        late: what a delay of the torque by one row removes of it, (N, n).
+        shift: by how many rows each torque is late, if that is all of the difference, (n,).
+    """
+
+    rest: np.ndarray
+    late: np.ndarray
+    shift: np.ndarray
+
+    @property
+    def is_in_time(self) -> np.ndarray:
+        """Return of which torques (n,) the shift is one that a log may have."""
+        return self.shift == nearest_in_time(self.shift)
+
+
 @dataclass(frozen=True)
 class FilteredRecording:
     """Motion and torque of a recording, prepared for any model.
@@ -66,8 +86,9 @@ class FilteredRecording:
 
     def residual(self, plant: Plant) -> np.ndarray:
         """Return measured minus required torque after the filter, (N, n); zero on rows left out."""
-        rest, late = self._rest(plant)
-        return np.where(self.counts, rest - nearest_in_time(self._shift(rest, late)) * late, 0.0)
+        lateness = self.lateness(plant)
+        shift = nearest_in_time(lateness.shift)
+        return np.where(self.counts, lateness.rest - shift * lateness.late, 0.0)
 
     def slack(self, generator: np.random.Generator) -> np.ndarray:
         """Return a random draw (N, n) of the error that differentiation and filtering cause without noise."""
@@ -75,22 +96,6 @@ class FilteredRecording:
         white = lowpass(generator.standard_normal(torque.shape), self.recording, self.corner_hz)
         size = _SLACK * np.sqrt(np.mean(torque**2, axis=0)) / np.sqrt(np.mean(white**2, axis=0))
         return np.where(self.counts, size * white, 0.0)
-
-    def late(self, plant: Plant) -> np.ndarray:
-        """Return what a delay of the measured torque by one row removes (N, n); zero if not allowed."""
-        rest, late = self._rest(plant)
-        shift = self._shift(rest, late)
-        return np.where(self.counts & (shift == nearest_in_time(shift)), late, 0.0)
-
-    def beyond_time(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-        """Return measured minus required torque, and what a delay by one row removes of it, (N, n) each.
-
-        Where the whole difference looks like a shift in time that no log has; zero elsewhere.
-        """
-        rest, late = self._rest(plant)
-        shift = self._shift(rest, late)
-        there = self.counts & (shift != nearest_in_time(shift))
-        return np.where(there, rest, 0.0), np.where(there, late, 0.0)
 
     def free_start(self, plant: Plant) -> FreeStart:
         """Return what unknown initial states of springs may contribute, in own coordinates."""
@@ -103,8 +108,8 @@ class FilteredRecording:
         size = np.sqrt(np.mean(self.recording.signals[self.name] ** 2, axis=0))
         return FreeStart.of(plant.model, motion, passed, self.counts, size)
 
-    def _rest(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-        """Measured minus needed torque, and what a row's delay takes off, (N, n); less `free_start` of it."""
+    def lateness(self, plant: Plant) -> Lateness:
+        """Return measured minus needed torque, and how it looks late; less `free_start` of it."""
         track, r = self._made(plant), self.recording
         rigid = self.rigid(plant) if plant.chain.sensors.none else None
         tap = _unblurred(torque_at_tap(plant, self.recording, track, self.to_actuator))
@@ -113,7 +118,10 @@ class FilteredRecording:
         late = np.gradient(tap @ self.to_actuator, axis=0)
         rest, late = lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
         start = self.free_start(plant)
-        return start.without(rest), start.without(late)
+        rest, late = start.without(rest), start.without(late)
+        counted = np.where(self.counts, late, 0.0)
+        shift = np.sum(rest * counted, axis=0) / np.maximum(np.sum(counted**2, axis=0), 1e-300)
+        return Lateness(rest, late, shift)
 
     def _spared(self, plant: Plant, track: Track) -> np.ndarray:
         """What motors need not give (N, n) as what hangs on them through springs and gaps does not follow."""
@@ -128,11 +136,6 @@ class FilteredRecording:
             assert offset is not None
             total += offset
         return total / np.maximum(motion.gain, LEAST_GAIN)
-
-    def _shift(self, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """By how many rows (n,) each torque is late, as far as the motion tells."""
-        late = np.where(self.counts, late, 0.0)
-        return np.sum(rest * late, axis=0) / np.maximum(np.sum(late**2, axis=0), 1e-300)
 
     def motion(self, plant: Plant) -> Motion:
         """Return the motion with everything that effects need to know."""

@@ -134,9 +134,9 @@ def _timed(
     All recordings of a machine show it alike, and a slow one alone hardly tells it.
     """
     weight = data.weight[1]
-    readings = [loop.reading.beyond_time(loop.plant) for loop in linearisation.loops]
+    beyond = [loop.beyond_time() for loop in linearisation.loops]
     whole, late = (
-        [x[own] * weight for x, own in zip(part, rows, strict=True)] for part in zip(*readings, strict=True)
+        [x[own] * weight for x, own in zip(part, rows, strict=True)] for part in zip(*beyond, strict=True)
     )
     for axis in range(linearisation.model.size):
         there = [i for i, own in enumerate(late) if own[:, axis].any()]
