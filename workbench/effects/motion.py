@@ -41,6 +41,11 @@ class Line:
     lag: np.ndarray
     measured: np.ndarray | None = None
 
+    @property
+    def off_command(self) -> np.ndarray | None:
+        """Return the measured torque minus what the command becomes, (N, n); None if it was not measured."""
+        return None if self.measured is None else self.measured - self.passed[0]
+
     @cached_property
     def passed(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the torque at the sensor: just after the time of each row, and its mean over the step, (N,

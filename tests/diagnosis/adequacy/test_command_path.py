@@ -81,6 +81,26 @@ def test_nothing_is_certain_that_does_not_explain_all(tmp_path: Path, drive: Dri
     assert found(problem(tmp_path, drive)) == {}
 
 
+def test_held_out_recordings_say_nothing(tmp_path: Path) -> None:
+    machine = bench_arm(tmp_path, "machine")
+    logs = [logged(machine, t, seconds=4.0, seed=k, resisting=hum) for k, t in enumerate((SLOW, FAST))]
+    fitted, held_out = _driven(logs[1], lagging), _driven(logs[0], rate_limited)
+    assert set(found(asked(load_model(bench_arm(tmp_path)), [fitted], [held_out]))) == {
+        "current_loop_lag@lift"
+    }
+
+
+def test_a_line_that_falls_with_the_speed_is_left_to_the_loop(tmp_path: Path) -> None:
+    machine = bench_arm(tmp_path, "machine")
+    log = logged(machine, FAST, seconds=4.0, resisting=hum)
+    speed = log.velocity[:, LIFT]
+
+    def falling(command: np.ndarray) -> np.ndarray:
+        return np.clip(command, -12.0 * (1.0 + speed / 4.0), 12.0 * (1.0 - speed / 4.0))
+
+    assert found(asked(load_model(bench_arm(tmp_path)), [_driven(log, falling)])) == {}
+
+
 def test_a_delay_is_left_to_the_loop(tmp_path: Path) -> None:
     machine = bench_arm(tmp_path, "machine")
     logs = [logged(machine, t, seconds=4.0, seed=k, late=2) for k, t in enumerate((SLOW, FAST))]

@@ -35,8 +35,8 @@ class _OnPath:
 def certain_on_path(linearisation: Linearisation) -> tuple[AppliedEffect, ...]:
     """Return the effects that make of a drive's logged command its measured torque, but for the noise.
 
-    Of each drive one, if no other does that too. None where command or torque were not logged. A delay of all
-    drives is none of them: rows tell it to a row only, and the loop tells it better.
+    Of each drive one, if no other does that too. None where command or torque were not logged. Held-out
+    recordings say nothing here.
 
     Args:
         linearisation: about measured motions.
@@ -55,7 +55,7 @@ def certain_on_path(linearisation: Linearisation) -> tuple[AppliedEffect, ...]:
         good = [t.applied for t in tried if t.left[drive] < POLICY.at_noise]
         # a limit at one speed is one at every speed too
         simple = [a for a in good if not any(contains(a.key, other.key) for other in good)]
-        out += simple if len(simple) == 1 and simple[0].key.axis else []
+        out += simple if len(simple) == 1 and not _left_to_the_loop(simple[0].key) else []
     return tuple(out)
 
 
@@ -64,13 +64,26 @@ def _is_on_path(key: EffectKey) -> bool:
     return effect.stage is SignalStage.COMMAND and not effect.parameters.linear
 
 
+def _left_to_the_loop(key: EffectKey) -> bool:
+    """Return whether the loop has to say it: rows tell a delay of all drives to a row only, and what settles
+    more of the model than its own numbers is not told by these.
+    """
+    return key.axis is None or bool(effect_named(key.effect).parameters.settles)
+
+
+def _fitted(linearisation: Linearisation) -> tuple[Recording, ...]:
+    data = linearisation.data
+    return tuple(data.recordings[: data.training])
+
+
 def _apart(linearisation: Linearisation) -> list[np.ndarray] | None:
     """Return how far each recording's torque (N, n) is off its command; None where these were not logged."""
     out = []
-    for motion, recording in zip(linearisation.motions, linearisation.data.recordings, strict=True):
-        if motion.line.measured is None or recording.get("torque_command") is None:
+    for motion, recording in zip(linearisation.fitted_motions, _fitted(linearisation), strict=True):
+        off = motion.line.off_command
+        if off is None or recording.get("torque_command") is None:
             return None
-        out.append((motion.line.measured - motion.line.passed[0])[_rows(recording)])
+        out.append(off[_rows(recording)])
     return out
 
 
@@ -83,7 +96,7 @@ def _noise(linearisation: Linearisation) -> np.ndarray:
     """Return the mean squares (n,) of a measured torque's noise, with what right simulations differ by."""
     to_actuator = linearisation.loops[0].reading.to_actuator
     own = np.nan_to_num(linearisation.data.replay.noise.levels.torque_std) ** 2
-    measured = np.concatenate([np.asarray(m.line.measured) for m in linearisation.motions])
+    measured = np.concatenate([np.asarray(m.line.measured) for m in linearisation.fitted_motions])
     slack = POLICY.model_deviation**2 * np.mean(measured**2, axis=0)
     return own @ np.linalg.inv(to_actuator) ** 2 + slack + 1e-300
 
@@ -93,12 +106,12 @@ def _fits(
 ) -> list[_OnPath]:
     """Return the effect with the values that leave least; nothing where it has no start or no end."""
     effect, model = effect_named(key.effect), linearisation.model
-    place, motions = Placement.of(model, key), linearisation.motions
+    place, motions = Placement.of(model, key), linearisation.fitted_motions
     names = effect.parameters.nonlinear
 
     def left(shape: dict[str, float]) -> np.ndarray:
         taps = [effect.response(m, model, place, shape).tap for m in motions]
-        rows = map(_rows, linearisation.data.recordings)
+        rows = map(_rows, _fitted(linearisation))
         return np.concatenate([a - np.asarray(t)[v] for a, t, v in zip(apart, taps, rows, strict=True)])
 
     starts = effect.parameters.shapes(motions, model, place)

@@ -10,21 +10,23 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
+from workbench.models import AppliedEffect
 
 from ..acceptance import at_noise_floor, lowers_error
 from ..adequacy.command_path import ON_PATH, certain_on_path
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis
 from ..loss import explained, rescored, test_noise_floor
-from ..node import Growth, Node, effect_keys, is_consistent, with_last_step
+from ..node import Growth, Node, is_consistent, with_last_step
 from ..policy import POLICY
 from ..problem import Problem, evaluated
 from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
+from ..screening.selection import selection_of
 from ..screening.torque_regression import Chosen, Regression
 from ..search_result import AcceptedStep, steps_through
 from .apart import certain_apart
-from .joint_fit import beside_strangers, certain_of, certain_only
+from .joint_fit import Certain, beside_strangers, certain_of, certain_only
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -85,31 +87,38 @@ def _solved(problem: Problem) -> Node | None:
     if problem.inverse_dynamics is None:
         return None
     data, start, regression = problem.inverse_dynamics
-    found = certain_of(regression, start, data)
-    named: Fit | None = found and found.whole
-    if found and not is_consistent(data, found.whole.mean_squares):
-        found = certain_apart(found, start, data, problem.seed)
-        named = certain_only(found.whole, found.known, data)
-        if named and not found.apart:
-            named = beside_strangers(found.whole, named, found.known, start, data, problem.seed)
+    found, free = _by_torque(regression, start, data, problem.seed)
     # what the drives make of their commands acts on a machine in its loop alone
     path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
-    if named and not lowers_error(named, start, data):
-        named = None
-    if not named and not path:
+    if not free and not path:
         return None
-    known = {**(found.known if found and named else {}), **{a.key: ON_PATH for a in path}}
-    whole = replace(start.hypothesis, free=(*(named.hypothesis.free if named else ()), *path))
-    sure_in_loop = confirmed(whole, problem, certain=bool(known))
-    if not named or sure_in_loop is not named.hypothesis:
-        named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
-    sure = effect_keys(named)
-    entries = tuple(e for e in (found.chosen.chosen if found else ()) if e.key in sure)
-    node = _in_the_loop(
-        _steps(regression if found is None else found.regression, entries, named, start, data), problem
-    )
-    near = tuple(a for a in (found.whole.hypothesis.free if found else ()) if a.key not in sure)
-    return None if node is None else replace(node, jointly=True, adequacy=known, near=near)
+    known = {**(found.known if free else {}), **{a.key: ON_PATH for a in path}}
+    whole = replace(start.hypothesis, free=(*free, *path))
+    sure_in_loop = confirmed(whole, problem, certain=whole.keys <= known.keys())
+    named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
+    entries = tuple(e for e in found.chosen.chosen if e.key in sure_in_loop.keys)
+    node = _in_the_loop(_steps(found.regression, entries, named, start, data), problem)
+    near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure_in_loop.keys)
+    adequacy = {key: stands for key, stands in known.items() if key in sure_in_loop.keys}
+    return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near)
+
+
+def _by_torque(
+    regression: Regression, start: Fit, data: Data, seed: int
+) -> tuple[Certain, tuple[AppliedEffect, ...]]:
+    """Return what was selected along the measured motion, and what of it stays: all where noise explains the
+    rest, otherwise what is certain; nothing where that does not lower the error.
+    """
+    found = certain_of(regression, start, data)
+    if found is None:
+        return Certain(regression, selection_of((), regression), start, {}), ()
+    named: Fit | None = found.whole
+    if not is_consistent(data, found.whole.mean_squares):
+        found = certain_apart(found, start, data, seed)
+        named = certain_only(found.whole, found.known, data)
+        if named and not found.apart:
+            named = beside_strangers(found.whole, named, found.known, start, data, seed)
+    return found, named.hypothesis.free if named and lowers_error(named, start, data) else ()
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:

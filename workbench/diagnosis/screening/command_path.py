@@ -94,9 +94,10 @@ def _passed(linearisation: Linearisation, key: EffectKey, shape: Mapping[str, fl
     every, measured, taken = [], [], []
     for motion in linearisation.motions:
         tap = effect.response(motion, linearisation.model, place, shape).tap
-        if motion.line.measured is None or tap is None:
+        off = motion.line.off_command
+        if off is None or tap is None:
             return None
-        every.append(motion.line.measured - motion.line.passed[0])
+        every.append(off)
         measured.append(motion.line.measured)
         taken.append(tap[:, place.index])
     off = np.concatenate(every)
