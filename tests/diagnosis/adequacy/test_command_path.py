@@ -96,7 +96,8 @@ def test_a_line_that_falls_with_the_speed_is_left_to_the_loop(tmp_path: Path) ->
     speed = log.velocity[:, LIFT]
 
     def falling(command: np.ndarray) -> np.ndarray:
-        return np.clip(command, -12.0 * (1.0 + speed / 4.0), 12.0 * (1.0 - speed / 4.0))
+        low, high = -12.0 * np.minimum(1.0 + speed / 4.0, 1.0), 12.0 * np.minimum(1.0 - speed / 4.0, 1.0)
+        return np.clip(command, low, high)
 
     assert found(asked(load_model(bench_arm(tmp_path)), [_driven(log, falling)])) == {}
 
