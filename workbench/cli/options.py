@@ -43,11 +43,12 @@ def written(*names: str, format_: str = "", **more: Any) -> Any:
     """
 
     def checked(path: str | None) -> str | None:
+        path = placed(path)
         if path and format_:
             from workbench import report
 
             getattr(report, f"check_{format_}")(path)
-        return placed(path)
+        return path
 
     return Option(*names, callback=checked, **more)
 
