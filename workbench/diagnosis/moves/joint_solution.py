@@ -10,7 +10,6 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect
 
 from ..acceptance import at_noise_floor, lowers_error
 from ..adequacy.command_path import ON_PATH, certain_on_path
@@ -87,13 +86,13 @@ def _solved(problem: Problem) -> Node | None:
     if problem.inverse_dynamics is None:
         return None
     data, start, regression = problem.inverse_dynamics
-    found, free = _by_torque(regression, start, data, problem.seed)
+    found, by_torque = _by_torque(regression, start, data, problem.seed)
     # what the drives make of their commands acts on a machine in its loop alone
     path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
-    if not free and not path:
+    whole = replace(by_torque, free=(*by_torque.free, *path))
+    if not whole.free:
         return None
-    known = {**(found.known if free else {}), **{a.key: ON_PATH for a in path}}
-    whole = replace(start.hypothesis, free=(*free, *path))
+    known = {**(found.known if by_torque.free else {}), **{a.key: ON_PATH for a in path}}
     sure_in_loop = confirmed(whole, problem, certain=whole.keys <= known.keys())
     named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
     entries = tuple(e for e in found.chosen.chosen if e.key in sure_in_loop.keys)
@@ -103,22 +102,21 @@ def _solved(problem: Problem) -> Node | None:
     return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near)
 
 
-def _by_torque(
-    regression: Regression, start: Fit, data: Data, seed: int
-) -> tuple[Certain, tuple[AppliedEffect, ...]]:
+def _by_torque(regression: Regression, start: Fit, data: Data, seed: int) -> tuple[Certain, Hypothesis]:
     """Return what was selected along the measured motion, and what of it stays: all where noise explains the
-    rest, otherwise what is certain; nothing where that does not lower the error.
+    rest, otherwise what is certain; no effect where that does not lower the error.
     """
     found = certain_of(regression, start, data)
     if found is None:
-        return Certain(regression, selection_of((), regression), start, {}), ()
+        return Certain(regression, selection_of((), regression), start, {}), start.hypothesis
     named: Fit | None = found.whole
     if not is_consistent(data, found.whole.mean_squares):
         found = certain_apart(found, start, data, seed)
         named = certain_only(found.whole, found.known, data)
         if named and not found.apart:
             named = beside_strangers(found.whole, named, found.known, start, data, seed)
-    return found, named.hypothesis.free if named and lowers_error(named, start, data) else ()
+    stays = named is not None and lowers_error(named, start, data)
+    return found, named.hypothesis if named and stays else start.hypothesis
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
