@@ -156,7 +156,7 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     if key not in adequacy:
         return []
     if effect_named(key.effect).stage is SignalStage.COMMAND:
-        return ["with it, the measured torque is what the logged command becomes, but for noise"]
+        return ["with this effect, the measured torque follows from the logged command, except for its noise"]
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
