@@ -90,7 +90,9 @@ def turned_axes(model: Model, recordings: Sequence[Recording]) -> Turned | None:
         left = {turn: torque_left(model, [turn.of(r) for r in some], some) for turn in turns}
     except SimulationError:
         return None
-    good = {turn: float(np.log(x).sum()) for turn, x in left.items() if _explains(x, before)}
+    good = {
+        turn: float(np.log(np.maximum(x, 1e-12)).sum()) for turn, x in left.items() if _explains(x, before)
+    }
     if not good:
         return None
     best = min(good.values()) + model.size * np.log(_ALIKE)

@@ -15,10 +15,10 @@ import scipy
 from workbench.core import Recording, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
-from workbench.recordings import noise_levels
-from workbench.simulation import scored_torque
+from workbench.recordings import NoiseLevels, noise_levels
+from workbench.simulation import mass_matrix, scored_torque, smooth_track
 
-from .inverse import torque_pair
+from .inverse import lowpass, torque_pair
 from .standing import on_ground
 
 _MOST = 4000  # rows of a recording that are looked at
@@ -104,8 +104,9 @@ def torque_left(
     """Return the share (n,) of each drive's squared torque that the model does not need along the measured
     motion.
 
-    Friction and an offset of the torque are fitted away: they are what models lack most often, and what a
-    wrong sign or unit must not be taken for.
+    Of a joint without a drive it is the torque that the model lacks there, as a share of what the joint's own
+    inertia takes. Friction and an offset of the torque are fitted away: they are what models lack most often,
+    and what a wrong sign or unit must not be taken for.
 
     Args:
         model: what is believed.
@@ -121,16 +122,28 @@ def torque_left(
 def _left(plant: Plant, recordings: Sequence[Recording], like: Sequence[Recording]) -> np.ndarray:
     sums = np.zeros((2, plant.model.size))
     for r, alike in zip(recordings, like, strict=True):
-        measured, needed, valid = torque_pair(plant, r, None, noise_levels(alike))
+        levels = noise_levels(alike)
+        measured, needed, valid = torque_pair(plant, r, None, levels)
+        whole = measured if measured.any(axis=0).all() else _of_own_inertia(plant, r, measured, levels)
         logged = r.get("velocity")
         speed = np.gradient(r.position, r.period, axis=0) if logged is None else logged
         speed = speed if r.coordinates == "actuator" else speed @ plant.model.transmission.T
         rows = np.flatnonzero(valid)
         rows = rows[:: max(1, len(rows) // _MOST)]
-        for i, (x, y, v) in enumerate(zip(measured[rows].T, needed[rows].T, speed[rows].T, strict=True)):
+        parts = ((measured - needed)[rows].T, whole[rows].T, speed[rows].T)
+        for i, (rest, given, v) in enumerate(zip(*parts, strict=True)):
             one = np.ones_like(v)
             # friction brakes: of the right sign only, else it would stand in for a wrong one
             columns = np.column_stack([one, -one, v, np.sign(v)])
-            sums[:, i] += scipy.optimize.nnls(columns, x - y)[1] ** 2, float(x @ x)
-    # of a joint without a drive nothing was logged that could be left
+            sums[:, i] += scipy.optimize.nnls(columns, rest)[1] ** 2, float(given @ given)
     return np.divide(sums[0], sums[1], out=np.zeros(len(sums[0])), where=sums[1] > 0)
+
+
+def _of_own_inertia(
+    plant: Plant, recording: Recording, measured: np.ndarray, levels: NoiseLevels
+) -> np.ndarray:
+    """Return the measured torque (N, n), and of joints without a drive what their own inertia takes."""
+    to_actuator = recording.to_actuator(plant.model.transmission)
+    track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std)
+    own = np.diagonal(mass_matrix(plant, track), axis1=1, axis2=2) * track.acceleration
+    return np.where(measured.any(axis=0), measured, lowpass(own, recording))

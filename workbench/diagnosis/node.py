@@ -58,6 +58,7 @@ class Node:
         jointly: whether its effects were solved for together along the measured motion.
         adequacy: how each effect of a joint solution stands that is certain although more is missing.
         near: effects of a joint solution that help and are not certain.
+        of_links: whether several numbers of links are wrong together, and explain what it leaves.
         enough: whether nothing has to be searched one by one beside it.
     """
 
@@ -72,6 +73,7 @@ class Node:
     jointly: bool = False
     adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
     near: tuple[AppliedEffect, ...] = ()
+    of_links: bool = False
     enough: bool = False
 
     def begun(self, **changes: Any) -> Node:

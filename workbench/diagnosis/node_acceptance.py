@@ -5,6 +5,7 @@ from __future__ import annotations
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .adequacy.adequacy import adequacies
 from .adequacy.imitations import imitate_another_law
+from .adequacy.link_errors import imitations_of_links
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
@@ -71,9 +72,13 @@ def are_the_laws(node: Node, problem: Problem) -> bool:
     Only torques along the measured motion can be asked. A joint solution was asked when it was found.
     """
     along, added = problem.inverse_dynamics, node.current.hypothesis.added
-    if node.jointly or along is None or not node.keys <= {e.key for e in along[2].entries}:
+    if node.jointly or along is None:
         return True
     data, _, regression = along
+    if imitations_of_links(added, regression.linearisation, data):
+        return False
+    if not node.keys <= {e.key for e in regression.entries}:
+        return True
     if imitate_another_law(added, regression):
         return False
     model = node.current.hypothesis

@@ -40,7 +40,7 @@ def rounds(
     """
     found, way = best_way(on_drives(model), training, held_out, seed, limit, progress)
     out, rounds_at_most = [found], limit or POLICY.most_effects
-    while found.jointly and not found.consistent_after and len(out) < rounds_at_most and _names(found):
+    while found.jointly and not _ends(found) and len(out) < rounds_at_most and _names(found):
         progress("searching again, with what was found in the model")
         better = found.final.hypothesis.model
         try:
@@ -52,6 +52,11 @@ def rounds(
             break
         out.append(found)
     return tuple(out)
+
+
+def _ends(found: SearchResult) -> bool:
+    """Return whether nothing is left to name: noise explains the rest, or several numbers of links do."""
+    return found.consistent_after or found.of_links
 
 
 def _names(found: SearchResult) -> bool:

@@ -110,6 +110,7 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         trace,
         done or only_jointly or are_the_laws(node, problem),
         0.0 if done or only_jointly else _by_links(node, problem),
+        node.of_links,
     )
 
 
@@ -117,8 +118,9 @@ def _by_links(node: Node, problem: Problem) -> float:
     """Return the share of what a node leaves that errors of all links explain; 0 where that is not most."""
     if problem.inverse_dynamics is None:
         return 0.0
-    regression = problem.inverse_dynamics[2]
-    errors = link_errors(regression, [e for e in regression.entries if e.key in node.keys and not e.shape])
+    data, _, regression = problem.inverse_dynamics
+    chosen = [e for e in regression.entries if e.key in node.keys and not e.shape]
+    errors = link_errors(regression, chosen, data)
     return errors.share if errors else 0.0
 
 

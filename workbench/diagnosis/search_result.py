@@ -97,6 +97,7 @@ class SearchResult:
     `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
     `are_the_laws`: whether the effects are not merely close to the laws of what is missing. `by_links`: the
     share of what they leave that errors of the masses of all links together explain; 0 where it is no most.
+    `of_links`: whether this is why nothing more is certain.
     """
 
     model: Model
@@ -118,6 +119,7 @@ class SearchResult:
     trace: tuple[Tried, ...] = ()
     are_the_laws: bool = True
     by_links: float = 0.0
+    of_links: bool = False
 
     @property
     def stopped(self) -> Stopped:

@@ -17,6 +17,7 @@ from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
+from .link_regressor import link_regressor
 from .links import link_of, link_with
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
 from .parameter import Parameter, Parameters, Values
@@ -82,6 +83,7 @@ __all__ = [
     "law",
     "link_inertia",
     "link_of",
+    "link_regressor",
     "link_with",
     "load_model",
     "model_value",

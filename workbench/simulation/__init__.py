@@ -9,7 +9,7 @@ from .inverse import required_torque, rigid_torque
 from .known_rows import edge_rows
 from .law import law_torque
 from .linear import Loop, linearise, slopes
-from .motion import motion_of
+from .motion import mass_matrix, motion_of
 from .posture_drives import runs_in_loop
 from .posture_run import PosturePlant, refuse_joint_coordinates, run_posture
 from .propagate import Disturbance, propagate
@@ -23,8 +23,9 @@ __all__ = [
     "GROUND_TORQUE", "LONGEST_STEP", "TRUE_MOTION", "Disturbance", "Experiment", "Loop", "PosturePlant",
     "Run", "SensorNoise", "Tangents", "Track", "Windows", "as_recording", "check_axes", "check_held",
     "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits",
-    "law_torque", "limits_of", "linearise", "motion_of", "on_all_cores", "predictor", "prepare", "propagate",
-    "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque", "run_posture",
+    "law_torque", "limits_of", "linearise", "mass_matrix", "motion_of", "on_all_cores", "predictor",
+    "prepare", "propagate", "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque",
+    "run_posture",
     "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes", "smooth_track", "true_motion",
     "use_cores", "whole_period", "with_loop_of",
 ]  # fmt: skip

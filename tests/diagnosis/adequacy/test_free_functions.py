@@ -36,3 +36,19 @@ def test_turning_one_way_says_nothing_of_friction(seed: int) -> None:
 def test_a_recording_that_can_tell_has_the_law_or_it_is_none() -> None:
     assert _friction(0.5, seed=0).size > 0.9
     assert _friction(0.5, missing=True, seed=0).size < 0.1
+
+
+def test_a_size_that_varies_along_the_way_is_said_to() -> None:
+    """Friction of a rough patch: by how much its size varies is what the interval has to cover."""
+    random, count = np.random.default_rng(2), 2 * _ROWS
+    position, speed = np.sin(np.arange(count) / 90.0), np.cos(np.arange(count) / 90.0)
+    rough = 0.4 + 0.3 * (position > 0.3)
+    torque = rough * np.sign(speed) + 0.01 * random.standard_normal(count)
+    law = np.sign(speed) * (torque @ np.sign(speed) / count)
+    beside = splines([position], [position])
+    varying = law[:, None] * beside[0], beside[1]
+    found = against_free_functions(
+        law[:, None], torque - law, [(varying, law)], [beside], np.repeat([0, 1], _ROWS)
+    )
+    assert found.variation == pytest.approx(np.std(rough) / np.mean(rough), rel=0.1)
+    assert Adequacy(1.0, 1.0, 0.0).variation == 0.0

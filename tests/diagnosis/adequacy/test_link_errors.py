@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from workbench.diagnosis.adequacy.link_errors import (
 )
 from workbench.diagnosis.moves.apart import certain_apart
 from workbench.diagnosis.moves.joint_fit import certain_of, freed_of
+from workbench.diagnosis.moves.joint_solution import solve_jointly
 from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.torque_columns import regression_of
 from workbench.diagnosis.screening.torque_regression import Regression
@@ -30,6 +32,7 @@ TRUE = {
     "fore_mass": 0.8, "fore_centre": 0.19, "fore_across": 0.03, "fore_inertia": 0.012,
 }  # fmt: skip
 FRICTION = np.array([0.6, 0.9, 0.4])
+Resisting = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def resisting(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
@@ -37,14 +40,19 @@ def resisting(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
     return -FRICTION * np.tanh(speed / 0.002)
 
 
+def along(folder: Path, resisting: Resisting | None = None, **numbers: float) -> Problem:
+    """A machine with other numbers than its model, and a torque that the model lacks."""
+    machine = bench_arm(folder, "machine", **numbers)
+    logs = [logged(machine, t, seconds=8.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
+    return asked(load_model(bench_arm(folder, "model")), logs)
+
+
 def found(folder: Path, **numbers: float) -> tuple[Problem, Regression, LinkErrors | None]:
     """Errors of all links where a machine has friction that its model lacks, and other numbers."""
-    machine = bench_arm(folder, "machine", **numbers)
-    logs = [logged(machine, t, seconds=5.0, resisting=resisting, seed=k) for k, t in enumerate((SLOW, FAST))]
-    problem = asked(load_model(bench_arm(folder, "model")), logs)
+    problem = along(folder, resisting, **numbers)
     assert problem.inverse_dynamics is not None
     regression = problem.inverse_dynamics[2]
-    return problem, regression, link_errors(regression, ())
+    return problem, regression, link_errors(regression, (), problem.inverse_dynamics[0])
 
 
 def friction_in(regression: Regression) -> tuple[np.ndarray, np.ndarray]:
@@ -59,12 +67,12 @@ def test_friction_is_what_it_is_without_them(tmp_path: Path) -> None:
     assert problem.inverse_dynamics is not None and errors is not None and 0.98 < errors.share <= 1.0
     data, start, _ = problem.inverse_dynamics
     sizes, before = friction_in(regression)
-    assert abs(sizes[1] - FRICTION[1]) > 0.3
+    assert abs(sizes[1] - FRICTION[1]) > 0.2
     freed = without_link_errors(errors, regression, data)
     assert freed is not None
     there, begun = freed_of(start, freed, data, seed=0)
     sizes, left = friction_in(regression_of(begun, there))
-    assert sizes == pytest.approx(FRICTION, rel=0.06)
+    assert sizes == pytest.approx(FRICTION, rel=0.08)
     assert (left < 0.15 * before).all()
 
 
@@ -88,6 +96,31 @@ def test_friction_is_certain_once_they_are_set_apart(tmp_path: Path) -> None:
     certain = certain_apart(replace(chosen, known={}), start, data, seed=0)
     assert certain.apart and {EffectKey("coulomb_friction", axis) for axis in AXES} <= set(certain.known)
     assert not any(may_imitate_friction(key) for key in certain.known)
+
+
+@pytest.mark.parametrize("friction", [None, resisting])
+def test_several_wrong_numbers_are_no_other_effect(tmp_path: Path, friction: Resisting | None) -> None:
+    """A few effects come close to them, a link's length among these; friction beside them is what it is."""
+    problem = along(tmp_path, friction, **TRUE, fore_roll=0.02, turret_mass=5.0)
+    assert problem.inverse_dynamics is not None
+    data, start, regression = problem.inverse_dynamics
+    chosen = certain_of(regression, start, data)
+    assert chosen is not None and chosen.by_links > 0.99
+    assert "link_length_error" in {key.effect for key in chosen.whole.hypothesis.keys}
+    named = {EffectKey("coulomb_friction", axis) for axis in AXES} if friction else set()
+    assert set(chosen.known) == named
+    node = solve_jointly(problem)
+    assert node is not None and node.of_links and {s.added for s in node.steps} == named
+
+
+@pytest.mark.parametrize("number", [{"bend_armature": 0.03}, {"fore_mass": 1.9}])
+def test_one_wrong_number_is_not_several(tmp_path: Path, number: dict[str, float]) -> None:
+    problem = along(tmp_path, resisting, **number)
+    assert problem.inverse_dynamics is not None
+    data, start, regression = problem.inverse_dynamics
+    chosen = certain_of(regression, start, data, whatever_is_left=True)
+    assert chosen is not None and chosen.by_links == 0.0
+    assert len(chosen.known) == 4
 
 
 def test_where_masses_are_right_there_are_none(tmp_path: Path) -> None:

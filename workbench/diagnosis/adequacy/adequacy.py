@@ -80,7 +80,7 @@ def adequacies(found: Fit, regression: Regression, data: Data) -> dict[EffectKey
         if not kinds.depends_on(effect_named(a.key.effect)):
             parts = torques
             if a.key.axis is None:  # all that links err by do nearly the same as a body that was added
-                links = propagate_sensitivities([linearisation], [columns_of_links(regression)], data)[0]
+                links = propagate_sensitivities([linearisation], [columns_of_links(linearisation)], data)[0]
                 parts = [
                     np.concatenate([p, own[:, 1]], axis=-1) for p, own in zip(torques, links, strict=True)
                 ]

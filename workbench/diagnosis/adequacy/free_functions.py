@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..fitting.left_out import LeftOut, left_out
-from ..fitting.normal_equations import normal, total
+from ..fitting.normal_equations import jackknife, normal, total
 from ..policy import POLICY
 
 _BLOCKS = 10  # of all rows, each left out in turn
@@ -34,6 +34,11 @@ class Adequacy:
     size: float
     spread: float
     basic: bool = False
+
+    @property
+    def variation(self) -> float:
+        """Return by how much of itself (rms) the size varies, as far as a free function explains more."""
+        return float(np.sqrt(max(1.0 - self.share, 0.0) / max(self.share, 1e-12)))
 
     @property
     def is_adequate(self) -> bool:
@@ -73,8 +78,7 @@ def _size(laws: np.ndarray, rest: np.ndarray, beside: Free | None = None) -> tup
     whole = np.zeros((count + free.shape[1],) * 2)
     whole[count:, count:] = penalty
     sizes = _left_out(np.hstack([laws, free]), rest + laws.sum(axis=1), whole, count).each[:, 0]
-    deviation = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((sizes - sizes.mean()) ** 2))
-    return float(sizes.mean()), float(deviation)
+    return float(sizes.mean()), float(jackknife(sizes))
 
 
 def _left_out(basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int) -> LeftOut:

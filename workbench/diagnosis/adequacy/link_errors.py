@@ -15,18 +15,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import effect_named, kinds
+from workbench.effects import effect_named, kinds, link_regressor
+from workbench.models import AppliedEffect
 from workbench.simulation import scored_torque
 
 from ..data import Data
 from ..fitting.left_out import left_out
-from ..fitting.normal_equations import total
+from ..fitting.normal_equations import Normal, jackknife, total
 from ..policy import POLICY
 from ..screening.equations import Entry
 from ..screening.needed_torque import needing
-from ..screening.sensitivity import SensitivityColumn
-from ..screening.torque_regression import Chosen, Regression
+from ..screening.sensitivity import Linearisation, SensitivityColumn
+from ..screening.torque_columns import torque_rows
+from ..screening.torque_regression import Regression
 
+_RIDGE = 1e-9  # on columns of size one: holds what no motion shows
+_TOLERANCE = 1e-6  # of a column's square: less of it beside others is rounding
 _PENALTIES = np.logspace(-8, 0, 9)  # of the links' part, times the mean of its normal equations' diagonal
 
 
@@ -48,29 +52,31 @@ def may_imitate_friction(key: EffectKey) -> bool:
     return "speed" not in kinds.depends_on(effect_named(key.effect))
 
 
-def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors | None:
+def is_of_links(key: EffectKey) -> bool:
+    """Return whether an effect is itself an error of a link's numbers."""
+    return kinds.is_additive(effect_named(key.effect))
+
+
+def link_errors(regression: Regression, chosen: Sequence[Entry], data: Data) -> LinkErrors | None:
     """Return what all links together explain beside all basic laws of the drives and other effects.
 
     Args:
         regression: of all effects along the measured motion.
         chosen: the effects that were found.
+        data: of that motion.
 
     Returns:
         None where they explain less than `POLICY.unknown_most` of what the others leave.
     """
-    links = _entries_of_links(regression)
+    linearisation = regression.linearisation
     laws = [e for e in regression.entries if e.key.axis and effect_named(e.key.effect).search.basic]
-    laws += [e for e in chosen if e.key.axis and e not in laws and not _is_of_links(e.key)]
-    first = [k for e in laws for k in e.linear]
-    columns = [*first, *(k for e in links for k in e.linear)]
-    if len(columns) == len(first):
-        return None
-    blocks = [total(fold).pick(columns) for fold in regression.folds]
-    size = np.sqrt(np.maximum(np.diag(total(blocks).gram), 0.0))
-    there, size = size > 0.0, np.where(size > 0.0, size, 1.0)
-    blocks = [b.scaled(1.0 / size) for b in blocks]
-    own, eye = np.arange(len(columns)) < len(first), np.eye(len(columns))
-    ridge = np.diag(np.where(there, 1e-9, 1.0))
+    laws += [e for e in chosen if e.key.axis and e not in laws and not is_of_links(e.key)]
+    motions = needing(linearisation)
+    first = [c for e in laws for c in linearisation.columns(e.key, e.shape, motions)[0]]
+    rows = torque_rows(linearisation, [*first, *columns_of_links(linearisation)], data)
+    blocks, scale = _scaled([total(fold) for fold in rows.folds(data)])
+    own, eye = np.arange(len(scale)) < len(first), np.eye(len(scale))
+    ridge = _RIDGE * eye
     beside = left_out(blocks, np.diag(np.where(own, 0.0, 1.0)), _PENALTIES, ridge)
     bare = list(range(len(first)))
     alone = left_out([b.pick(bare) for b in blocks], eye[own][:, own], np.zeros(1), ridge[own][:, own])
@@ -78,7 +84,7 @@ def link_errors(regression: Regression, chosen: Sequence[Entry]) -> LinkErrors |
     share = min((alone.left - beside.left) / max(alone.left - noise, 1e-300), 1.0)
     if share < POLICY.unknown_most:
         return None
-    return LinkErrors((beside.whole / size)[len(first) :], share)
+    return LinkErrors((beside.whole / scale)[len(first) :], share)
 
 
 def without_link_errors(
@@ -88,7 +94,7 @@ def without_link_errors(
     linearisation, names = regression.linearisation, [scored_torque(r) for r in data.recordings]
     if None in names:
         return None
-    columns, out = columns_of_links(regression), []
+    columns, out = columns_of_links(linearisation), []
     for i, (recording, name, motion) in enumerate(
         zip(data.recordings, names, linearisation.motions, strict=True)
     ):
@@ -101,17 +107,43 @@ def without_link_errors(
     return tuple(out)
 
 
-def columns_of_links(regression: Regression) -> list[SensitivityColumn]:
-    """Return what errors of the masses of all links, in all forms, add to the torque along the motion."""
-    linearisation = regression.linearisation
-    motions = needing(linearisation)
-    entries = _entries_of_links(regression)
-    return [c for e in entries for c in linearisation.columns(e.key, e.shape, motions)[0]]
+def imitations_of_links(
+    applied: Sequence[AppliedEffect], linearisation: Linearisation, data: Data
+) -> set[EffectKey]:
+    """Return the effects that are not certain because several numbers of links are wrong together.
+
+    With all numbers of all links free beside them, what only came close to these is gone. If anything is,
+    certain is what holds its size there: no error of one link, and nothing that is a sum of these numbers, as
+    a rotor of the first axis is. Friction is no such sum.
+    """
+    laws = [a for a in applied if not is_of_links(a.key)]
+    asked = np.array([may_imitate_friction(a.key) for a in laws], bool)
+    if not asked.any():
+        return set()
+    columns = [*(linearisation.total(a, a.values) for a in laws), *columns_of_links(linearisation)]
+    blocks, scale = _scaled([total(fold) for fold in torque_rows(linearisation, columns, data).folds(data)])
+    whole, count, ridge = total(blocks), len(laws), _RIDGE * np.eye(len(scale))
+    own = 1.0 / np.diag(np.linalg.inv(whole.gram + ridge))[:count]  # of a column's square, no other has this
+    rests = [whole - block for block in blocks]
+    sizes = np.stack([np.linalg.solve(r.gram + ridge, r.right)[:count] for r in rests]) / scale[:count]
+    size, deviation = sizes.mean(axis=0), POLICY.significant * jackknife(sizes)
+    told, stays = own > _TOLERANCE, size > deviation
+    if not (asked & told & ~stays & (size + deviation < 1.0)).any():
+        return set()
+    certain = {a.key for a, sure in zip(laws, ~asked | (told & stays), strict=True) if sure}
+    return {a.key for a in applied} - certain
 
 
-def _entries_of_links(regression: Regression) -> Chosen:
-    return tuple(e for e in regression.entries if e.key.axis and _is_of_links(e.key))
+def _scaled(blocks: Sequence[Normal]) -> tuple[list[Normal], np.ndarray]:
+    """Return normal equations of columns of one size, and the sizes that they had (C,); 1 of what is zero."""
+    scale = np.sqrt(np.maximum(np.diag(total(blocks).gram), 0.0))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    return [b.scaled(1.0 / scale) for b in blocks], scale
 
 
-def _is_of_links(key: EffectKey) -> bool:
-    return kinds.is_additive(effect_named(key.effect))
+def columns_of_links(linearisation: Linearisation) -> list[SensitivityColumn]:
+    """Return what each number of all links adds to the torque along the motion, per unit."""
+    motions, axes = needing(linearisation), range(linearisation.model.size)
+    each = [-np.concatenate([link_regressor(m, k) for k in axes]) for m in motions]
+    none = tuple(None for _ in motions)
+    return [SensitivityColumn(torque, none, none, none) for torque in zip(*each, strict=True)]

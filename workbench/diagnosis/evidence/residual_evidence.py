@@ -158,10 +158,11 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     if effect_named(key.effect).stage is SignalStage.COMMAND:
         return ["with this effect, the measured torque follows from the logged command, except for its noise"]
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
-    share, spread = 100.0 * found.share, 100.0 * found.spread
+    share, spread, varies = (100.0 * x for x in (found.share, found.spread, found.variation))
     return [
         f"this law explains {share:.0f} % of what any smooth curve over {own} explains on unseen data",
-        f"its value changes by at most {spread:.0f} % if a curve over any other quantity is fitted too",
+        f"its value changes by at most {spread:.0f} % if a curve over any other quantity is fitted too, and "
+        f"by {varies:.0f} % (rms) along the motion",
     ]
 
 

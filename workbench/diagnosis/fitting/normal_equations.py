@@ -65,3 +65,8 @@ def scaled_inverse(gram: np.ndarray) -> np.ndarray:
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     sizes = np.outer(size, size)
     return np.linalg.pinv(gram / sizes, rcond=1e-10, hermitian=True) / sizes
+
+
+def jackknife(each: np.ndarray) -> np.ndarray:
+    """Return the standard deviation (C,) of what was solved with each of F pieces left out, (F, C)."""
+    return np.sqrt((len(each) - 1) / len(each) * np.sum((each - each.mean(axis=0)) ** 2, axis=0))

@@ -49,7 +49,7 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
         alike = bool(known) and before == set(known)
         if before < set(known) or (alike and is_consistent(freed, there.whole.mean_squares)):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
-            return replace(there, whole=whole, known=known, apart=True)
+            return replace(there, whole=whole, known=known, apart=True, by_links=found.by_links)
     return found
 
 
@@ -64,7 +64,7 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
     quiet = without_tones(laws, rest_of(found.whole, data)[0], data)
     if quiet is not None:
         yield quiet.recordings, lambda key: key in quiet.tonal
-    errors = link_errors(found.regression, found.chosen.chosen)
+    errors = link_errors(found.regression, found.chosen.chosen, data)
     guessed = errors and without_link_errors(errors, found.regression, data)
     if guessed:
         yield guessed, may_imitate_friction

@@ -12,6 +12,7 @@ from workbench.models import AppliedEffect
 
 from ..adequacy.adequacy import Adequacy, adequacies
 from ..adequacy.imitations import imitations
+from ..adequacy.link_errors import imitations_of_links, link_errors
 from ..adequacy.strangers import without_strangers
 from ..data import Data, gather_along
 from ..fitting.fit import fit
@@ -41,6 +42,8 @@ class Certain:
         whole: its fit.
         known: how certain each effect is that is certain although something else is missing.
         apart: whether values are those where what is unknown is set apart.
+        by_links: the share that errors of all links explain, where some effects only come close to these;
+            otherwise 0.
     """
 
     regression: Regression
@@ -48,6 +51,7 @@ class Certain:
     whole: Fit
     known: Mapping[EffectKey, Adequacy]
     apart: bool = False
+    by_links: float = 0.0
 
 
 def certain_of(
@@ -55,16 +59,21 @@ def certain_of(
 ) -> Certain | None:
     """Return the selected effects and the certain ones; None if no effect helps.
 
-    Where noise explains the rest nothing is asked, but for `whatever_is_left`.
+    Where noise explains the rest it is only asked whether they stand for numbers of links, but for
+    `whatever_is_left`.
     """
     chosen = in_common(selected(regression), regression)
     whole = fit_of_selection(regression, chosen, start, data)
-    if whole is None or (is_consistent(data, whole.mean_squares) and not whatever_is_left):
-        return whole and Certain(regression, chosen, whole, {})
+    if whole is None:
+        return None
+    of_links = imitations_of_links(whole.hypothesis.free, regression.linearisation, data)
+    if is_consistent(data, whole.mean_squares) and not (of_links or whatever_is_left):
+        return Certain(regression, chosen, whole, {})
     others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
     found = adequacies(whole, regression, data)
-    known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
-    return Certain(regression, chosen, whole, known)
+    known = {k: a for k, a in found.items() if a.is_adequate and k not in others | of_links}
+    errors = link_errors(regression, chosen.chosen, data) if of_links else None
+    return Certain(regression, chosen, whole, known, by_links=errors.share if errors else 0.0)
 
 
 def freed_of(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
@@ -186,8 +195,11 @@ def beside_strangers(
 
 
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
-    """Return an effect with deviations that cover how its size changes beside free functions."""
-    spread = POLICY.rival_deviation * sure[applied.key].spread
+    """Return an effect with deviations that cover how its size changes beside free functions, and along the
+    motion.
+    """
+    known = sure[applied.key]
+    spread = np.hypot(POLICY.rival_deviation * known.spread, known.variation)
     parameters = {
         name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
         for name, e in applied.parameters.items()

@@ -41,9 +41,9 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
     whole = len(node.steps) + len(node.near) > problem.limit or (
         _corrections_suffice(node) and not one_effect_may_suffice(problem)
     )
-    several = not whole and _has_several_certain(node)
+    several = not (whole or node.of_links) and _has_several_certain(node)
     share = explained(problem.data, problem.start, node.current, node.data)
-    enough = whole or (several and share > POLICY.certain_share)
+    enough = whole or node.of_links or (several and share > POLICY.certain_share)
     yield replace(node, enough=enough, growth=Growth() if several else None)
 
 
@@ -90,8 +90,11 @@ def _solved(problem: Problem) -> Node | None:
     # what the drives make of their commands acts on a machine in its loop alone
     path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
     whole = replace(by_torque, free=(*by_torque.free, *path))
+    # where nearly all is errors of the links, no other effect has to be searched for
+    links = found.by_links >= POLICY.explained
     if not whole.free:
-        return None
+        near = found.whole.hypothesis.free
+        return Node(problem.start, problem.data, jointly=True, near=near, of_links=True) if links else None
     known = {**(found.known if by_torque.free else {}), **{a.key: ON_PATH for a in path}}
     sure_in_loop = confirmed(whole, problem, certain=whole.keys <= known.keys())
     named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
@@ -99,7 +102,7 @@ def _solved(problem: Problem) -> Node | None:
     node = _in_the_loop(_steps(found.regression, entries, named, start, data), problem)
     near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure_in_loop.keys)
     adequacy = {key: stands for key, stands in known.items() if key in sure_in_loop.keys}
-    return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near)
+    return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near, of_links=links)
 
 
 def _by_torque(regression: Regression, start: Fit, data: Data, seed: int) -> tuple[Certain, Hypothesis]:
@@ -110,7 +113,7 @@ def _by_torque(regression: Regression, start: Fit, data: Data, seed: int) -> tup
     if found is None:
         return Certain(regression, selection_of((), regression), start, {}), start.hypothesis
     named: Fit | None = found.whole
-    if not is_consistent(data, found.whole.mean_squares):
+    if found.by_links or not is_consistent(data, found.whole.mean_squares):
         found = certain_apart(found, start, data, seed)
         named = certain_only(found.whole, found.known, data)
         if named and not found.apart:

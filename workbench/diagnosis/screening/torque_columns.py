@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,40 +72,74 @@ def regression_of(start: Fit, data: Data) -> Regression:
         ):
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
-    rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
-    pieces = _filtered(linearisation, columns, rows, data)
     alike = _alike(entries, len(columns), model)
-    pieces = [
-        np.concatenate(
-            [x, *(x[..., [m.linear[0] for m in e.alike]].sum(-1, keepdims=True) for e in alike)], -1
-        )
-        for x in pieces
-    ]
-    residuals = [
-        (data.residual(i, run) * data.weight)[own, 1]
-        for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
-    ]
-    _timed(linearisation, rows, pieces, residuals, data)
-    folds = []
-    for fold in data.folds:
-        i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
-        whole[fold.rows] = True
-        folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
-    test_rows = range(data.training, len(rows)) if data.tests_on_holdout else ()
-    held = [_by_axis(pieces[i], residuals[i]) for i in test_rows]
+    rows = torque_rows(linearisation, columns, data, [[m.linear[0] for m in e.alike] for e in alike])
+    held = rows.normals(range(data.training, len(linearisation.runs)) if data.tests_on_holdout else ())
     limits = {entry: limits_of(linearisation.model, entry) for entry in (*entries, *gains)}
     return Regression(
         linearisation,
         tuple(entries),
         tuple(gains),
         own,
-        tuple(folds),
+        rows.folds(data),
         tuple(total(own) for own in zip(*held, strict=True)) if held else None,
         data.least()[1] * data.weight[1] ** 2,
         data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
         limits | {e: _common([limits[m] for m in e.alike]) for e in alike},
         alike,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueRows:
+    """What columns add to the torque, and the residual torque, on the rows of each recording that are kept.
+
+    Attributes:
+        rows: numbers of the rows, (M,) per recording.
+        columns: weighted and filtered, (M, n, C) per recording.
+        residuals: weighted, (M, n) per recording.
+    """
+
+    rows: list[np.ndarray]
+    columns: list[np.ndarray]
+    residuals: list[np.ndarray]
+
+    def normals(self, recordings: Iterable[int]) -> list[tuple[Normal, ...]]:
+        """Return the normal equations of each axis, of some recordings."""
+        return [_by_axis(self.columns[i], self.residuals[i]) for i in recordings]
+
+    def folds(self, data: Data) -> tuple[tuple[Normal, ...], ...]:
+        """Return the normal equations of each axis, fold by fold."""
+        out = []
+        for fold in data.folds:
+            i, whole = fold.recording, np.zeros(len(data.recordings[fold.recording]), bool)
+            whole[fold.rows] = True
+            own = whole[self.rows[i]]
+            out.append(_by_axis(self.columns[i][own], self.residuals[i][own]))
+        return tuple(out)
+
+
+def torque_rows(
+    linearisation: Linearisation,
+    columns: Sequence[SensitivityColumn],
+    data: Data,
+    together: Sequence[Sequence[int]] = (),
+) -> TorqueRows:
+    """Return columns and residual torque along the motions, without what a log's lateness takes up of them.
+
+    `together`: numbers of columns whose sum is a further column each.
+    """
+    rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
+    pieces = [
+        np.concatenate([x, *(x[..., list(own)].sum(-1, keepdims=True) for own in together)], -1)
+        for x in _filtered(linearisation, columns, rows, data)
+    ]
+    residuals = [
+        (data.residual(i, run) * data.weight)[own, 1]
+        for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
+    ]
+    _timed(linearisation, rows, pieces, residuals, data)
+    return TorqueRows(rows, pieces, residuals)
 
 
 def _filtered(

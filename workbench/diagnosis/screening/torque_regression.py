@@ -18,7 +18,7 @@ from workbench.effects import effect_named
 from workbench.models import Placement
 
 from ..fitting.bounded_least_squares import solve
-from ..fitting.normal_equations import Normal, total
+from ..fitting.normal_equations import Normal, jackknife, total
 from .equations import Entry
 from .sensitivity import Linearisation
 
@@ -45,8 +45,7 @@ class Solution:
     @property
     def deviations(self) -> np.ndarray:
         """Return how far coefficients move with what they are fitted to (jackknife), (C,)."""
-        folds = len(self.each)
-        return np.sqrt((folds - 1) / folds * np.sum((self.each - self.each.mean(axis=0)) ** 2, axis=0))
+        return jackknife(self.each)
 
 
 @dataclass(frozen=True)
