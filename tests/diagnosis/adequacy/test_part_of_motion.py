@@ -54,6 +54,18 @@ def test_an_effect_beside_a_rough_patch_has_its_name_and_size(tmp_path: Path, st
         assert size.std < 0.005
 
 
+def test_friction_beside_a_wide_rough_patch(tmp_path: Path) -> None:
+    """No half of the way is without a trace of it; where friction explains most, friction is what it is."""
+
+    def wide(q: float, w: float) -> float:
+        return -(0.4 + 0.9 * np.exp(-(((q - 0.4) / 0.25) ** 2))) * np.tanh(w / 0.002)
+
+    found = {str(f.key): f for f in told(tmp_path, wide, 0.8).findings}
+    assert set(found) == {"coulomb_friction@yaw"}
+    size = found["coulomb_friction@yaw"].parameters["torque"]
+    assert size.value == pytest.approx(0.4, rel=0.1) and abs(size.value - 0.4) < 1.96 * size.std
+
+
 def test_a_rough_patch_alone_is_no_known_effect(tmp_path: Path) -> None:
     found = told(tmp_path, rubbing, 0.8)
     assert found.verdict == "unexplained" and not found.findings

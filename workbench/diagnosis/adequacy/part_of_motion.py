@@ -1,4 +1,4 @@
-"""The part of the motion where noise explains what the laws leave; something unknown acts in the other part.
+"""The part of the motion where laws explain the torque; something unknown acts in the other part.
 
 A rough patch, a cable that pulls at one end or a blow acts at some positions or for some time. Laws that are
 fitted to all rows follow it. On the half of the motion that they fit best they are what they are elsewhere
@@ -9,10 +9,12 @@ exception.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+
+from workbench.effects import effect_named
 
 from ..fitting.normal_equations import normal, total
 from ..policy import POLICY
@@ -22,16 +24,29 @@ _BINS = 20  # of each quantity, with as many rows in each
 _STEPS = 20  # of concentration, far more than are ever needed
 
 
+_Good = dict[int | None, np.ndarray]  # which bins of each quantity are good, (_BINS,)
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Explained rows of each recording (N,), and the indices of the drives whose positions define them."""
+    """A part of the motion.
+
+    Attributes:
+        rows: that are explained, of each recording, (N,).
+        drives: indices of those whose positions define it.
+        basic: whether it is where inertia, damping and Coulomb friction explain most, but more than noise is
+            left. What any other law explains there, it may have been chosen by.
+    """
 
     rows: tuple[np.ndarray, ...]
     drives: frozenset[int]
+    basic: bool = False
 
 
 def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     """Return the part of the motion, at least half of it, where laws leave little more than noise.
+
+    Without such a half it is where the laws that every drive has leave no more than an explanation may.
 
     Args:
         laws: with the torque that they have to explain.
@@ -45,13 +60,26 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     time = [np.arange(end - len(p), end) for p, end in zip(position, ends, strict=True)]
     bins: dict[int | None, list[np.ndarray]] = {None: _bins(time)}
     bins |= {k: _bins([p[:, k] for p in position]) for k in range(len(laws.noise))}
-    rows, drives = [np.ones(len(p), bool) for p in position], set[int]()
+    at_noise: dict[int, _Good] = {k: {} for k in laws.above_noise}
+    explained: dict[int, _Good] = {k: {} for k in laws.above_noise}
+    basic = np.array([effect_named(key.effect).search.basic for key in laws.keys])
     for k in laws.above_noise:
-        good: dict[int | None, np.ndarray] = {}
         for quantity, own in bins.items():
             there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])
-            left = _left(laws.acts[:, k], laws.torque[:, k], there)
-            good[quantity] = left <= POLICY.near_noise * laws.noise[k]
+            left, _ = _left(laws.acts[:, k], laws.torque[:, k], there)
+            at_noise[k][quantity] = left <= POLICY.near_noise * laws.noise[k]
+            left, whole = _left(laws.acts[:, k][:, basic], laws.torque[:, k], there)
+            explained[k][quantity] = left <= (1.0 - POLICY.explained) * whole
+    part = _most_of_it(at_noise, bins)
+    if part is None and (part := _most_of_it(explained, bins)):
+        return replace(part, basic=True)
+    return part
+
+
+def _most_of_it(axes: Mapping[int, _Good], bins: Mapping[int | None, Sequence[np.ndarray]]) -> Part | None:
+    """Return the rows in good bins of the quantity with most of these, where each axis has half of them."""
+    rows, drives = [np.ones(len(b), bool) for b in bins[None]], set[int]()
+    for good in axes.values():
         quantity = max(good, key=lambda q: int(good[q].sum()))
         if good[quantity].sum() >= _BINS // 2:
             rows = [a & good[quantity][b] for a, b in zip(rows, bins[quantity], strict=True)]
@@ -68,9 +96,9 @@ def _bins(values: Sequence[np.ndarray]) -> list[np.ndarray]:
     return [np.searchsorted(edges, v) for v in values]
 
 
-def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
+def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean square in each bin that laws (M, E) and a constant leave, fitted to the best half of
-    the bins.
+    the bins, and that of the fit itself.
     """
     columns = np.column_stack([laws[:, laws.any(axis=0)], np.ones(len(torque))])
     columns = columns / np.sqrt(np.mean(columns**2, axis=0))
@@ -87,4 +115,4 @@ def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
         half = best
         whole = total([pieces[b] for b in half])
         sizes = np.linalg.lstsq(whole.gram, whole.right, rcond=None)[0]
-    return left(sizes)
+    return left(sizes), np.array([sizes @ p.gram @ sizes / max(p.samples, 1) for p in pieces])

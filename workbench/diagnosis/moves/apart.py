@@ -4,7 +4,7 @@ frequency, or other masses of the links.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from workbench.core import EffectKey, Recording
 from workbench.effects import effect_named, kinds
 from workbench.models import Model, Placement
 
+from ..adequacy.free_functions import Adequacy
 from ..adequacy.laws import laws_of
 from ..adequacy.link_errors import link_errors, may_imitate_friction, without_link_errors
 from ..adequacy.part_of_motion import Part, explained_part
@@ -30,8 +31,11 @@ Apart = tuple[Sequence[Recording], Callable[[EffectKey], bool]]
 
 
 def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
-    """Return the certain effects found with the unknown part removed, if there are more, or if noise is all
-    that is left then; otherwise what was found.
+    """Return the certain effects found with the unknown part removed, if there are more, or if these are more
+    nearly right; otherwise what was found.
+
+    That is where noise is all that is left, or where free functions explain less than half as much beside
+    them as before.
 
     Args:
         found: from all rows and all torques.
@@ -46,11 +50,18 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
             continue
         known = {k: a for k, a in there.known.items() if not may_follow(k)}
         before = {k for k in found.known if not may_follow(k)}
+        better = before == set(known) and _are_better(known, found.known)
         alike = bool(known) and before == set(known)
-        if before < set(known) or (alike and is_consistent(freed, there.whole.mean_squares)):
+        if before < set(known) or better or (alike and is_consistent(freed, there.whole.mean_squares)):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
             return replace(there, whole=whole, known=known, apart=True, by_links=found.by_links)
     return found
+
+
+def _are_better(known: Mapping[EffectKey, Adequacy], before: Mapping[EffectKey, Adequacy]) -> bool:
+    """Return whether free functions explain less than half as much beside some effects as they did before."""
+    least = [min((own[key].share for key in known), default=1.0) for own in (known, before)]
+    return 1.0 - least[0] < 0.5 * (1.0 - least[1])
 
 
 def _ways(found: Certain, data: Data) -> Iterator[Apart]:
@@ -79,7 +90,7 @@ def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
     depends, place = kinds.depends_on(effect_named(key.effect)), Placement.of(model, key)
     if place is None:
         return False
-    if not depends:
+    if not depends or (part.basic and not effect_named(key.effect).search.basic):
         return True
     turned = np.flatnonzero(np.abs(place.row @ np.linalg.inv(model.transmission)) > 1e-12)
     return "position" in depends and bool(part.drives & set(turned.tolist()))
