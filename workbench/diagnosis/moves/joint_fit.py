@@ -196,12 +196,12 @@ def beside_strangers(
 
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
     """Return an effect with deviations that cover how its size changes beside free functions, and along the
-    motion.
+    motion; the blocks that are left out differ in that too.
     """
     known = sure[applied.key]
-    spread = np.hypot(POLICY.rival_deviation * known.spread, known.variation)
+    spread = POLICY.rival_deviation * known.spread
     parameters = {
-        name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
+        name: replace(e, std=float(max(np.hypot(e.std, spread * e.value), known.variation * abs(e.value))))
         for name, e in applied.parameters.items()
     }
     return AppliedEffect(applied.key, parameters)
