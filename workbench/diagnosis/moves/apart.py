@@ -5,7 +5,7 @@ frequency, or other masses of the links.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,8 +26,20 @@ from ..problem import evaluated
 from ..screening.torque_columns import regression_of
 from .joint_fit import Certain, certain_of, freed_of
 
-#: Recordings in which the unknown is set apart, and whether an effect may follow it there all the same.
-Apart = tuple[Sequence[Recording], Callable[[EffectKey], bool]]
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """A way to set the unknown apart.
+
+    Attributes:
+        recordings: without it.
+        may_follow: whether an effect may follow it there all the same.
+        wanted: whether an effect is looked for there.
+    """
+
+    recordings: Sequence[Recording]
+    may_follow: Callable[[EffectKey], bool]
+    wanted: Callable[[EffectKey], bool] = lambda key: True
 
 
 def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
@@ -43,13 +55,14 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
         data: of that motion.
         seed: of the noise simulations.
     """
-    for recordings, may_follow in _ways(found, data):
-        freed, begun = freed_of(start, recordings, data, seed)
-        there = certain_of(regression_of(begun, freed), begun, freed, whatever_is_left=True)
+    for way in _ways(found, data):
+        freed, begun = freed_of(start, way.recordings, data, seed)
+        regression = regression_of(begun, freed, way.wanted)
+        there = certain_of(regression, begun, freed, whatever_is_left=True)
         if there is None:
             continue
-        known = {k: a for k, a in there.known.items() if not may_follow(k)}
-        before = {k for k in found.known if not may_follow(k)}
+        known = {k: a for k, a in there.known.items() if not way.may_follow(k)}
+        before = {k for k in found.known if not way.may_follow(k)}
         better = before == set(known) and _are_better(known, found.known)
         alike = bool(known) and before == set(known)
         if before < set(known) or better or (alike and is_consistent(freed, there.whole.mean_squares)):
@@ -71,14 +84,19 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
     if part is not None:
         rows = zip(data.recordings, part.rows, strict=True)
         masked = [replace(r, valid=r.valid & own) for r, own in rows]
-        yield masked, lambda key: _may_follow(key, part, linearisation.model)
+        keys = found.whole.hypothesis.keys
+        yield Apart(
+            masked,
+            lambda key: _may_follow(key, part, linearisation.model),
+            lambda key: not part.basic or key in keys or effect_named(key.effect).search.basic,
+        )
     quiet = without_tones(laws, rest_of(found.whole, data)[0], data)
     if quiet is not None:
-        yield quiet.recordings, lambda key: key in quiet.tonal
+        yield Apart(quiet.recordings, lambda key: key in quiet.tonal)
     errors = link_errors(found.regression, found.chosen.chosen, data)
     guessed = errors and without_link_errors(errors, found.regression, data)
     if guessed:
-        yield guessed, may_imitate_friction
+        yield Apart(guessed, may_imitate_friction)
 
 
 def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:

@@ -67,12 +67,13 @@ def certain_of(
     if whole is None:
         return None
     of_links = imitations_of_links(whole.hypothesis.free, regression.linearisation, data)
-    if is_consistent(data, whole.mean_squares) and not (of_links or whatever_is_left):
+    errors = link_errors(regression, chosen.chosen, data) if of_links else None
+    if is_consistent(data, whole.mean_squares) and not (errors or whatever_is_left):
         return Certain(regression, chosen, whole, {})
     others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
     found = adequacies(whole, regression, data)
-    known = {k: a for k, a in found.items() if a.is_adequate and k not in others | of_links}
-    errors = link_errors(regression, chosen.chosen, data) if of_links else None
+    others |= of_links if errors else set()
+    known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
     return Certain(regression, chosen, whole, known, by_links=errors.share if errors else 0.0)
 
 

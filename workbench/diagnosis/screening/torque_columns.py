@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,12 +25,15 @@ from .torque_regression import Regression
 _BLOCK = 64  # columns that are filtered together
 
 
-def regression_of(start: Fit, data: Data) -> Regression:
+def regression_of(
+    start: Fit, data: Data, wanted: Callable[[EffectKey], bool] = lambda key: True
+) -> Regression:
     """Return a regression over all effects that are torques along the motion, in all places and shapes.
 
     Args:
         start: the model as it is.
         data: recordings that are replayed along their measured motion, and weights.
+        wanted: whether an effect in a place is one of them.
     """
     model = start.hypothesis.model
     linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
@@ -38,7 +41,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     entries: list[Entry] = []
     gains: list[Entry] = []
     motions, sizes = needing(linearisation), sizes_of(linearisation)
-    for key in places(model):
+    for key in filter(wanted, places(model)):
         effect, place = effect_named(key.effect), Placement.of(model, key)
         acts = effect.stage in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
