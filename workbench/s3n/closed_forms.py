@@ -57,12 +57,8 @@ def parallelogram_form(
     cosine, sine = np.cos(q[:, 1]), np.sin(q @ j.T)
     m = np.array([mass[:, 0, 0].mean(), mass[:, 0, 1] @ cosine / (cosine @ cosine), mass[:, 1, 1].mean()])
     g = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
-    return (
-        m,
-        g,
-        np.abs(parallel_inertia(m[0], m[1], m[2], q[:, 1]) - mass).max(),
-        np.abs(pull + g * sine).max(),
-    )
+    off = np.abs(parallel_inertia(m[0], m[1], m[2], q[:, 1]) - mass).max()
+    return m, g, off, np.abs(pull + g * sine).max()
 
 
 def link_inertia(total: np.ndarray, drives: ArrayLike) -> np.ndarray:
