@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from workbench.core import Check, InputError, Verification
 from workbench.report import Sheet, render_sheet, verification_sheet, write_sheet
@@ -46,7 +45,6 @@ def sheet(name: str = "leg", panels: int = 2) -> Sheet:
             Section("errors", "Errors", (name,), (table,)),
             Section("r", "Response", drawings=(drawing,), remarks=(name,)),
         ),
-        picture=(Figure(figsize=(2, 1)), f"picture of {name}"),
     )
 
 
@@ -132,7 +130,6 @@ def test_many_lines_are_thinned_and_the_ends_stay():
     row = Row("y", (Curve("a", "fit", f, f),))
     long = Sheet("check", "m", "consistent", "s", sections=(
         Section("s", "S", drawings=(Drawing((Panel("t", "x", (row,), "words"),), "c"),)),),
-        picture=(Figure(figsize=(2, 1)), "p"),
     )  # fmt: skip
     x = values(render_sheet(long, command=COMMAND))[0]["rows"][0]["curves"][0]["x"]
     assert len(x) <= 500 and (x[0], x[-1]) == (0.1, 100.0)

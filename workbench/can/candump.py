@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from workbench.core import InputError
+from workbench.core.files import read_file
 
 from .frame import Frame
 
@@ -47,11 +48,7 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
         InputError: the file cannot be read, or a line that is not its last is none of a log.
     """
     path = Path(path)
-    try:
-        lines = path.read_text(encoding="ascii", errors="replace").split("\n")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
+    lines = read_file(path).decode("ascii", "replace").replace("\r\n", "\n").split("\n")
     # behind the last newline stands nothing, or a line that was being written
     for number, text in enumerate(lines[:-1], 1):
         found = _LINE.match(text)

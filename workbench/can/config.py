@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,22 +10,10 @@ from pydantic import ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import check_format, read_toml
-from workbench.core.text import did_you_mean
+from workbench.core.grammar import explained
 
-from .inputs import ImuTable, StopTable
 from .problems import problems
-from .table import Table
-from .tables import (
-    BenchTable,
-    BusTable,
-    CanConfig,
-    EndpointsTable,
-    LimitsTable,
-    LoopTable,
-    MechanismTable,
-    MotorTable,
-    RangesTable,
-)
+from .tables import CanConfig
 
 
 def load_config(path: str | Path) -> CanConfig:
@@ -40,33 +29,16 @@ def load_config(path: str | Path) -> CanConfig:
     try:
         config = CanConfig.model_validate(table).model_copy(update={"source": path})
     except ValidationError as error:
-        raise _explain(error, path, table) from error
+        raise explained(error, CanConfig, table, path, named=_named) from error
     for key, problem, remedy in problems(config):
         raise InputError(problem, file=path, column=key, remedy=remedy)
     return config
 
 
-def _explain(error: ValidationError, path: Path, table: dict[str, Any]) -> InputError:
-    first = error.errors()[0]
-    loc: list[int | str] = list(first["loc"])
-    key = ".".join(map(str, loc))
-    for kind, name in (("motor", "axis"), ("bus", "name")):
-        if len(loc) > 2 and loc[0] == kind:  # as people name it, not by its number
-            own = table[kind][int(loc[1])].get(name, loc[1])
-            key = ".".join([f"{kind} '{own}'", *map(str, loc[2:])])
-    if first["type"] == "extra_forbidden":
-        tables: dict[Any, type[Table]] = {
-            "bus": BusTable, "motor": MotorTable, "mechanism": MechanismTable, "loop": LoopTable,
-            "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable, "imu": ImuTable,
-            "stop": StopTable, "endpoints": EndpointsTable,
-        }  # fmt: skip
-        inside = [part for part in loc[:-1] if part in tables]
-        known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)
-        remedy = did_you_mean(str(loc[-1]), known) or f"known keys: {', '.join(known)}"
-        return InputError("unknown key", file=path, column=key, remedy=remedy)
-    if first["type"] == "missing":
-        return InputError("is missing", file=path, column=key, remedy="add it")
-    message = first["msg"][0].lower() + first["msg"][1:]
-    return InputError(
-        f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
-    )
+def _named(place: Sequence[str | int], table: Mapping[str, Any]) -> str:
+    """Return a key as people name it: a motor by its axis and a bus by its name, not by its number."""
+    name = {"motor": "axis", "bus": "name"}.get(str(place[0]))
+    if name is None or len(place) < 3:
+        return ".".join(map(str, place))
+    own = table[str(place[0])][place[1]].get(name, place[1])
+    return ".".join([f"{place[0]} '{own}'", *map(str, place[2:])])

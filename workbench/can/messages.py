@@ -123,6 +123,11 @@ class Fields(NamedTuple):
     kd: Span
     torque: Span
 
+    def clipped(self, feedback: Feedback) -> list[int]:
+        """Return raw position, velocity and torque, clipped to the ranges as drives do."""
+        spans = self.position, self.velocity, self.torque
+        return [span.clipped(value) for span, value in zip(spans, feedback[:3], strict=True)]
+
 
 def fields(ranges: Ranges, bits: tuple[int, int, int, int, int], kept: int = 0) -> Fields:
     """Return fields of `bits` each; `kept` raw positions at the upper end are not used in commands."""

@@ -157,15 +157,8 @@ def special(data: bytes) -> Action | None:
 
 def pack_motion(feedback: Feedback, f: Fields) -> bytes:
     """Return five bytes: position 16, velocity 12, torque 12 bits; clipped to the ranges, as drives do."""
-    raw = [
-        min(max(round((x - s.low) / s.step), 0), s.full)
-        for s, x in (
-            (f.position, feedback.position),
-            (f.velocity, feedback.velocity),
-            (f.torque, feedback.torque),
-        )
-    ]
-    return (raw[0] << 24 | raw[1] << 12 | raw[2]).to_bytes(5, "big")
+    p, v, t = f.clipped(feedback)
+    return (p << 24 | v << 12 | t).to_bytes(5, "big")
 
 
 def unpack_motion(data: bytes, f: Fields) -> tuple[float, float, float]:

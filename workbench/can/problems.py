@@ -8,11 +8,11 @@ from datetime import date
 import numpy as np
 
 from .damiao import REGISTERS_ID
-from .flexible_bus import flexible_problems
 from .frame import FrameError
 from .imu import IMUS
+from .moteus import Moteus
+from .odrive import Odrive
 from .tables import CanConfig, MechanismTable, MotorTable, make_drive
-from .taken import claimed, id_problems
 
 
 def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -25,8 +25,8 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for motor in c.motor:
         yield from _motor_problems(motor, c)
     for bus in names:
-        yield from id_problems(c.on(bus))
-    yield from flexible_problems(c)
+        yield from _id_problems(c.on(bus))
+    yield from _flexible_problems(c)
     yield from _imu_problems(c)
     yield from _stop_problems(c)
     n = len(c.motor)
@@ -136,7 +136,7 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         return
     taken = {REGISTERS_ID: "the registers"}
     for motor in c.on(c.imu.bus):
-        taken |= dict.fromkeys(claimed(motor), f"'{motor.axis}'")
+        taken |= dict.fromkeys(_claimed(motor), f"'{motor.axis}'")
     for id in ids:
         if id in taken:
             yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose some that are free"
@@ -161,8 +161,83 @@ def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         yield "stop.id", "is missing", "give the identifier of the button's frame"
         return
     yield from _unknown_bus(c, "stop.bus", c.stop.bus)
-    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in claimed(motor)}
+    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in _claimed(motor)}
     if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
         taken |= set(IMUS[c.imu.protocol](c.imu.id).ids)
     if c.stop.id in taken:
         yield "stop.id", f"id {c.stop.id:#x} is used by another", "choose one that is free"
+
+
+def _id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
+    """Identifiers on one bus that two drives, or a drive and the host, would both use."""
+    standard = [m for m in motors if m.protocol in ("mit", "damiao")]
+    commands: dict[int, str] = {REGISTERS_ID: "the registers"} if standard else {}
+    for motor in standard:
+        if motor.id in commands:
+            problem = f"id {motor.id:#x} is used by {commands[motor.id]} too"
+            yield f"motor '{motor.axis}'.id", problem, "give each drive of a bus its own"
+        commands[motor.id] = f"'{motor.axis}'"
+    for motor in standard:
+        if motor.reply_id in commands:
+            problem = f"{motor.reply_id:#x} is also where {commands[motor.reply_id]} is commanded"
+            yield f"motor '{motor.axis}'.reply_id", problem, "no drive's answer may look like a command"
+        mixed = {m.protocol for m in standard if m.reply_id == motor.reply_id}
+        if len(mixed) > 1:
+            problem = f"drives of {' and '.join(sorted(mixed))} answer on {motor.reply_id:#x}"
+            yield f"motor '{motor.axis}'.reply_id", problem, "give each protocol its own"
+    others = [m.id for m in motors if m.protocol == "robstride"]
+    for id in sorted({i for i in others if others.count(i) > 1}):
+        yield "motor.id", f"id {id:#x} is used twice", "give each drive of a bus its own"
+    for motor in motors:
+        if motor.protocol not in ("moteus", "odrive"):
+            continue
+        others = [m for m in motors if m is not motor]
+        for other in others:
+            shared = _claimed(motor) & _claimed(other)
+            if shared:
+                problem = f"'{other.axis}' uses {min(shared):#x} too"
+                yield f"motor '{motor.axis}'.id", problem, "give each drive of a bus its own"
+
+
+def _claimed(motor: MotorTable) -> frozenset[int]:
+    """The 11-bit identifiers that a drive, or its host, uses; impossible ones are left out."""
+    try:
+        drive = make_drive(motor)
+    except FrameError:
+        return frozenset()
+    if isinstance(drive, Moteus | Odrive):
+        return frozenset(id for id, extended in drive.claims if not extended)
+    return frozenset({motor.id, motor.reply_id})
+
+
+def _flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    """What CAN-FD, moteus and ODrive drives require."""
+    for bus in c.bus:
+        key, own = f"bus '{bus.name}'", {motor.protocol for motor in c.on(bus.name)}
+        if bus.data_bitrate and bus.data_bitrate < bus.bitrate:
+            problem = f"{bus.data_bitrate} is slower than the arbitration rate {bus.bitrate}"
+            yield f"{key}.data_bitrate", problem, "correct one of them"
+        if "moteus" not in own:
+            continue
+        if not bus.data_bitrate:
+            problem = "moteus drives speak CAN-FD"
+            yield f"{key}.data_bitrate", problem, "give the rate of its data, as 5_000_000"
+        if others := own - {"moteus"}:
+            problem = f"{', '.join(sorted(others))} drives treat CAN-FD frames as errors"
+            yield f"{key}.data_bitrate", problem, "put moteus drives on a bus of their own"
+    kds = dict(zip(c.axes, c.gains()[1], strict=False))
+    for motor in c.motor:
+        key, kd = f"motor '{motor.axis}'", motor.ranges.kd
+        if motor.protocol == "odrive" and c.loop.pd == "drive" and kds.get(motor.axis, 1.0) <= 0.0:
+            yield "loop.kd", f"'{motor.axis}' has no stiffness without damping", "give more than 0"
+        if motor.protocol != "moteus":
+            continue
+        if c.loop.pd == "drive":
+            problem = (
+                f"'{motor.axis}' cannot use a larger share of its range for kd than for kp, because kp "
+                "fades in"
+            )
+            yield "loop.pd", problem, 'write pd = "host"'
+        if c.loop.damping != kd:
+            problem = f"a moteus damps with its whole kd of {kd:g}, not with {c.loop.damping:g}"
+            yield f"{key}.ranges.kd", problem, "make loop.damping, ranges.kd and the drive's own the same"

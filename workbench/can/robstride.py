@@ -141,18 +141,11 @@ class Robstride(Packed):
 
     def answer(self, feedback: Feedback) -> Frame:
         """Return the feedback frame; numbers beyond the ranges are clipped."""
-        f = self.fields
-        motion = (feedback.position, feedback.velocity, feedback.torque)
-        raw = [
-            min(max(round((x - s.low) / s.step), 0), s.full)
-            for s, x in zip((f.position, f.velocity, f.torque), motion, strict=True)
-        ]
         mode = _RUNNING if feedback.enabled else 0
         middle = mode << 14 | (feedback.fault & 0x3F) << 8 | self.id
         temperature = min(max(round(10 * (feedback.temperature or 0.0)), 0), 0xFFFF)
-        return Frame(
-            _FEEDBACK << 24 | middle << 8 | self.reply_id, struct.pack(">4H", *raw, temperature), True
-        )
+        data = struct.pack(">4H", *self.fields.clipped(feedback), temperature)
+        return Frame(_FEEDBACK << 24 | middle << 8 | self.reply_id, data, True)
 
     def tell(self, parameter: Parameter) -> Frame:
         """Return the answer to a read parameter."""

@@ -52,6 +52,10 @@ class Span:
             raise FrameError(f"{value:g} is outside {self.low:g} to {self.high:g}")
         return min(raw, self.full - self.kept)
 
+    def clipped(self, value: float) -> int:
+        """Return the raw number closest to `value`, the first or last one where it is outside the range."""
+        return min(max(round((value - self.low) / self.step), 0), self.full)
+
     def decode(self, raw: int) -> float:
         """Return the value of a raw number."""
         return self.low + raw * (self.high - self.low) / self.full

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Group
 from rich.text import Text
 
-from workbench.core import FORMAT, Estimate
+from workbench.core import FORMAT
 from workbench.identification import ActuatorIdentification, Fit, LegIdentification, readable
 from workbench.models import Model
 from workbench.report.layout import table, text, verdict
@@ -18,9 +18,9 @@ def actuator_dict(found: ActuatorIdentification) -> dict[str, Any]:
     """The JSON of ``identify actuator``."""
     return {
         "format": FORMAT,
-        "inertia": _estimate(found.inertia),
-        "damping": _estimate(found.damping),
-        "delay_s": _estimate(found.delay),
+        "inertia": found.inertia,
+        "damping": found.damping,
+        "delay_s": found.delay,
         **_quality(found.fit),
     }
 
@@ -30,12 +30,12 @@ def leg_dict(found: LegIdentification, built: Model) -> dict[str, Any]:
     linkage = built.linkage
     return {
         "format": FORMAT,
-        "M11": _estimate(found.M11),
-        "M12": _estimate(found.M12),
-        "M22": _estimate(found.M22),
-        "damping": [_estimate(d) for d in found.damping],
-        "delay_s": _estimate(found.delay),
-        "gravity": [_estimate(g) for g in found.gravity],
+        "M11": found.M11,
+        "M12": found.M12,
+        "M22": found.M22,
+        "damping": list(found.damping),
+        "delay_s": found.delay,
+        "gravity": list(found.gravity),
         "postures": [list(f.posture) for f in found.frfs],
         "actuators": {"inertia": list(built.actuators.inertia), "damping": list(built.actuators.damping)},
         "linkage": {} if linkage is None else {k: v for k, v in vars(linkage).items() if k != "identified"},
@@ -85,7 +85,3 @@ def _quality(fit: Fit) -> dict[str, Any]:
         "correlation": j.correlation,
         "notes": list(fit.notes),
     }
-
-
-def _estimate(value: Estimate) -> dict[str, Any]:
-    return {"value": value.value, "std": value.std, "unit": value.unit}

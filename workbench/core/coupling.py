@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from .errors import InputError
+from .files import read_file
 from .xml import parse_xml
 
 
@@ -41,13 +42,9 @@ def declared_couplings(file: Path) -> tuple[Coupling, ...]:
     """Return joints that follow others according to the file: ``<mimic>`` of a URDF or SDF.
 
     Raises:
-        InputError: the file is no XML, or a ``<mimic>`` has no joint or a number that is none.
+        InputError: the file cannot be read or is no XML, or a ``<mimic>`` has no joint or no valid number.
     """
-    try:
-        raw = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file, remedy="check the path") from error
-    return couplings_in(parse_xml(raw, file, prefixes=False), file)
+    return couplings_in(parse_xml(read_file(file), file, prefixes=False), file)
 
 
 def couplings_in(root: ElementTree.Element, file: Path) -> tuple[Coupling, ...]:

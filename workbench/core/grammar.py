@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -15,7 +15,11 @@ if TYPE_CHECKING:
 
 
 def explained(
-    error: ValidationError, grammar: type[BaseModel], content: Mapping[str, Any], file: str | Path | None
+    error: ValidationError,
+    grammar: type[BaseModel],
+    content: Mapping[str, Any],
+    file: str | Path | None,
+    named: Callable[[Sequence[str | int], Mapping[str, Any]], str] | None = None,
 ) -> InputError:
     """Return the first fault of a file: its key, what was found there, and what to do.
 
@@ -24,12 +28,13 @@ def explained(
         grammar: the model of the whole file.
         content: the file, parsed.
         file: where it stands.
+        named: the key of a place in `content`; its parts joined by dots if not given.
     """
     faults = [(_place(e["loc"], content, missing=e["type"] == "missing"), e) for e in error.errors()]
     # of alternatives, that which fits the farthest is meant
     own = [fault for fault in faults if fault[0][: len(faults[0][0])] == faults[0][0]]
     place, first = max(own, key=lambda fault: len(fault[0]))
-    key = ".".join(map(str, place))
+    key = named(place, content) if named else ".".join(map(str, place))
     if first["type"] == "extra_forbidden":
         return unknown_key(key, str(place[-1]), _keys(grammar, place[:-1]), file)
     if first["type"] == "missing":

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.core import InputError
 from workbench.models import VARIANTS, AppliedEffect, Linkage, Model
 from workbench.s3n import with_variant
+from workbench.s3n.closed_forms import parallelogram_form
 from workbench.serial_tree import SerialTree
 
 from .result import ActuatorIdentification, LegIdentification
@@ -115,17 +116,13 @@ def serial_form(model: Model) -> tuple[np.ndarray, np.ndarray]:
     q = np.stack([0.3 - 0.1 * _ALPHA, _ALPHA], axis=1)
     mass = back.T @ tree.link_mass_matrix(q)[:, :2, :2] @ back
     pull = tree.gravity(q)[:, :2] @ back
-    cosine, sine = np.cos(_ALPHA), np.sin(q @ model.transmission.T)
-    m11, m22 = mass[:, 0, 0].mean(), mass[:, 1, 1].mean()
-    m12 = mass[:, 0, 1] @ cosine / (cosine @ cosine)
-    off = max(np.ptp(mass[:, 0, 0]), np.ptp(mass[:, 1, 1]), np.abs(mass[:, 0, 1] - m12 * cosine).max())
-    if off > 1e-6 * m11:
+    inertia, g, off, _ = parallelogram_form(mass, pull, q, model.transmission)
+    if off > 1e-6 * inertia[0]:
         raise InputError(
             f"the serial tree of '{model.name}' is not a thigh and shank whose angles are zero straight down",
             file=model.serial, remedy="align its zeros: both links hang along gravity at angle zero",
         )  # fmt: skip
-    g = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
-    return np.array([m11, m12, m22]), g
+    return inertia, g
 
 
 def _others(model: Model) -> tuple[AppliedEffect, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from workbench.core import Estimate
 from workbench.frf import Frf
@@ -13,11 +12,7 @@ from workbench.report.response import entry_panels, notes_of, posture_of
 from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
 
 from .fit import Fit
-from .picture import actuator_figure, fit_figure
 from .result import ActuatorIdentification, LegIdentification
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _DRAWN = 6  # postures
 
@@ -34,9 +29,7 @@ def actuator_sheet(found: ActuatorIdentification) -> Sheet:
     table = SheetTable("Estimates, with 95 % intervals", ("Parameter", ">Estimate"), rows)
     said = ", ".join(f"{name.lower()} {text}" for name, text in rows)
     axis = found.frf.inputs[0].axis
-    about = "Measured response with its 95 % band, the fit, and what other parameters would give."
-    picture = actuator_figure(found), about
-    return _sheet(axis, f"The drive has {said} (95 %)", rows, table, found.fit, (found.frf,), picture)
+    return _sheet(axis, f"The drive has {said} (95 %)", rows, table, found.fit, (found.frf,))
 
 
 def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
@@ -63,13 +56,11 @@ def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
     key = tuple((name, interval(v)) for name, v in totals)
     said = ", ".join(f"{name} {text}" for name, text in key)
     said = f"The leg has a total inertia of {said} (95 %)"
-    picture = fit_figure(found.fit), "Measured response with its 95 % band, and the fit."
-    return _sheet(built.name, said, key, table, found.fit, found.frfs, picture)
+    return _sheet(built.name, said, key, table, found.fit, found.frfs)
 
 
 def _sheet(
-    name: str, said: str, key: Sequence[tuple[str, str]], table: SheetTable, fit: Fit, frfs: Sequence[Frf],
-    picture: tuple[Figure, str],
+    name: str, said: str, key: Sequence[tuple[str, str]], table: SheetTable, fit: Fit, frfs: Sequence[Frf]
 ) -> Sheet:  # fmt: skip
     j = fit.judgement
     judged = SheetTable(
@@ -104,7 +95,6 @@ def _sheet(
             *_responses(fit, frfs),
             *notes_of(frfs),
         ),
-        picture=picture,
     )  # fmt: skip
 
 

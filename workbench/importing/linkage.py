@@ -7,6 +7,7 @@ import numpy as np
 from workbench.effects.structure import PARALLELOGRAM
 from workbench.mechanism import ClosedChain, sample_joints
 from workbench.models import Crank, Linkage, Model
+from workbench.s3n.closed_forms import parallelogram_form
 from workbench.serial_tree import SerialTree
 
 _SAMPLES = 60
@@ -32,20 +33,12 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
     missing = back.T @ (masses - tree.link_mass_matrix(q)) @ back
     weights = np.array([r.gravity for r in real])
     pull = (weights - tree.gravity(q)) @ back
-    cosine, sine = np.cos(q[:, 1]), np.sin(q @ model.transmission.T)
-    m11, m22 = missing[:, 0, 0].mean(), missing[:, 1, 1].mean()
-    m12 = missing[:, 0, 1] @ cosine / (cosine @ cosine)
-    g1, g2 = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
-    form = np.empty_like(missing)
-    form[:, 0, 0], form[:, 1, 1] = m11, m22
-    form[:, 0, 1] = form[:, 1, 0] = m12 * cosine
-    off_mass = np.abs(form - missing).max() / np.abs(masses).max()
-    off_pull = np.abs(pull + np.array([g1, g2]) * sine).max() / max(np.abs(weights).max(), 1e-12)
-    if max(off_mass, off_pull) > _SAME:
+    inertia, gravity, off, off_pull = parallelogram_form(missing, pull, q, model.transmission)
+    if off > _SAME * np.abs(masses).max() or off_pull > _SAME * max(np.abs(weights).max(), 1e-12):
         return None
+    m11, m12, m22, g1, g2 = map(float, (*inertia, *gravity))
     # the tree has thigh and shank whole, so that what it lacks of the knee's drive is crank and coupler
-    crank = Crank(float(m12), float(m22), float(g2))
-    return Linkage(float(m11), float(m12), float(m22), float(g1), float(g2), identified=True, crank=crank)
+    return Linkage(m11, m12, m22, g1, g2, identified=True, crank=Crank(m12, m22, g2))
 
 
 def is_all(chain: ClosedChain, model: Model) -> bool:

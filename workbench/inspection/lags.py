@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from itertools import combinations
+
 import numpy as np
 import scipy
 
+from workbench.core import Recording
+
+from .result import Remark
+
+ALIKE = 0.9  # correlation from which two columns are the same
 _MOST = 200_000  # rows; more would not move a lag
 _TONES = 4.0  # frequencies that a column is made of, below which its phase is no delay; one tone counts two
 
@@ -32,6 +40,24 @@ def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, f
     at = np.abs(scipy.signal.correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1])
     lag = int(np.argmax(at))
     return lag - reach, float(min(1.0, at[lag] / size))
+
+
+def swapped_columns(
+    recording: Recording, axes: Iterable[int], likeness: Callable[[int, int], float], what: str
+) -> tuple[np.ndarray, list[Remark]]:
+    """Return which column of a second signal (`what`: both, in words) each axis has (n,), and remarks on it.
+
+    `likeness` is the correlation of an axis' column in the first signal with one in the second.
+    """
+    order, remarks = np.arange(len(recording.axes)), list[Remark]()
+    for a, b in combinations(axes, 2):
+        straight, crossed = min(likeness(a, a), likeness(b, b)), min(likeness(a, b), likeness(b, a))
+        if crossed > ALIKE and 1 - crossed < 0.3 * (1 - straight):
+            order[[a, b]] = order[[b, a]]
+            names = [recording.axes[a], recording.axes[b]]
+            text = f"{what} of '{names[0]}' and '{names[1]}' are swapped against each other."
+            remarks.append(Remark("problem", "swap", None, text, {"axes": names}))
+    return order, remarks
 
 
 def is_broad(column: np.ndarray) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 
 import numpy as np
 import scipy
@@ -12,10 +11,9 @@ from workbench.core import Recording
 from workbench.recordings.velocity import derive_velocity
 
 from .factors import name_factor
-from .lags import alike, follow
+from .lags import ALIKE, alike, follow, swapped_columns
 from .result import Remark
 
-_ALIKE = 0.9  # correlation from which two columns are the same motion
 _SCALE = 0.03  # relative deviation of a factor from one that is reported
 _RATES = (0.1, 1e6)  # Hz; a log of fewer or more rows has another fault than its clock
 _OFFSET = 0.25  # clock offset in row periods that is reported
@@ -37,18 +35,9 @@ def remark_on_motion(recording: Recording, held: np.ndarray) -> list[Remark]:
     v = recording.velocity
     slope = derive_velocity(recording.position, recording.period)
     moving = np.flatnonzero(~held)
-    order = np.arange(len(held))
-    remarks: list[Remark] = []
-    for a, b in combinations(moving, 2):
-        straight = min(alike(v[:, a], slope[:, a]), alike(v[:, b], slope[:, b]))
-        crossed = min(alike(v[:, a], slope[:, b]), alike(v[:, b], slope[:, a]))
-        if crossed > _ALIKE and 1 - crossed < 0.3 * (1 - straight):
-            order[[a, b]] = order[[b, a]]
-            names = f"'{recording.axes[a]}' and '{recording.axes[b]}'"
-            text = f"Position and velocity columns of {names} are swapped against each other."
-            remarks.append(
-                Remark("problem", "swap", None, text, {"axes": [recording.axes[a], recording.axes[b]]})
-            )
+    order, remarks = swapped_columns(
+        recording, moving, lambda a, b: alike(v[:, a], slope[:, b]), "Position and velocity columns"
+    )
     each = [_one_axis(recording.axes[i], v[:, i], slope[:, order[i]], recording.period) for i in moving]
     clock = _one_clock(each, recording.period)
     return [*remarks, *([clock] if clock else (r for axis in each for r in axis))]
@@ -83,7 +72,7 @@ def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> lis
         filtered = _filtered(axis, v, slope, band, period)
         if filtered is not None:
             return [filtered]
-    if factor == 0 or abs(np.corrcoef(shifted, seen)[0, 1]) < _ALIKE:
+    if factor == 0 or abs(np.corrcoef(shifted, seen)[0, 1]) < ALIKE:
         text = f"Velocity of '{axis}' is not the derivative of its position."
         return [
             Remark("warning", "unit", axis, text, {"correlation": float(np.corrcoef(shifted, seen)[0, 1])})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from workbench.core import Recording
 from workbench.recordings.noise import NoiseLevels
 
 from .factors import TORQUE, name_factor
-from .lags import follow, is_broad
+from .lags import follow, is_broad, swapped_columns
 from .result import Remark
 
 _REACH_S = 0.1  # the largest delay looked for
@@ -40,18 +39,10 @@ def remark_on_torque(recording: Recording, noise: NoiseLevels) -> list[Remark]:
         return []
     reach = int(min(max(4, np.ceil(_REACH_S / recording.period)), len(recording) // 4))
     live = np.flatnonzero((np.ptp(command, axis=0) > 0) & (np.ptp(measured, axis=0) > 0))
-    remarks: list[Remark] = []
-    order = np.arange(command.shape[1])
-    for a, b in combinations(live, 2):
-        straight = min(follow(command[:, i], measured[:, i], reach)[1] for i in (a, b))
-        crossed = min(follow(command[:, i], measured[:, j], reach)[1] for i, j in ((a, b), (b, a)))
-        if crossed > 0.9 and 1 - crossed < 0.3 * (1 - straight):
-            order[[a, b]] = order[[b, a]]
-            names = f"'{recording.axes[a]}' and '{recording.axes[b]}'"
-            text = f"Commanded and measured torque of {names} are swapped against each other."
-            remarks.append(
-                Remark("problem", "swap", None, text, {"axes": [recording.axes[a], recording.axes[b]]})
-            )
+    order, remarks = swapped_columns(
+        recording, live, lambda a, b: follow(command[:, a], measured[:, b], reach)[1],
+        "Commanded and measured torque",
+    )  # fmt: skip
     for i in live:
         x, y = command[:, order[i]], measured[:, i]
         remarks += _follows(recording.axes[i], x, y, noise.torque_std[i], recording.period, reach)

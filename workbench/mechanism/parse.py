@@ -19,6 +19,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from workbench.core import InputError
+from workbench.core.files import read_file
 from workbench.core.xml import parse_xml
 
 GRAVITY = 9.81  # m/s^2
@@ -111,12 +112,8 @@ def _ball_loop(node: ElementTree.Element, file: Path) -> BallLoop:
 
 def _xml(file: Path) -> ElementTree.Element:
     """The file's XML, tags without prefix: Drake reads ``drake:`` whether it is declared or not."""
-    try:
-        raw = Path(file).read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file, remedy="check the path") from error
     remedy = "give an SDF or URDF file"
-    return parse_xml(raw, file, prefixes=False, problem="not an XML file", remedy=remedy)
+    return parse_xml(read_file(file), file, prefixes=False, problem="not an XML file", remedy=remedy)
 
 
 def _attribute(node: ElementTree.Element) -> str:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
 from workbench.core import Verification
-from workbench.core.picture import Picture
 
 from .numbers import number, unit_text
 from .response import words_of
 from .sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
-from .style import AFTER, FLOOR
 from .verification import quantity_name, sentence
 
 
@@ -47,7 +43,6 @@ def verification_sheet(result: Verification) -> Sheet:
             *stable,
         ),
         sections=(_checks(result), *_masses(result), *_radius(result), *_stated(result)),
-        picture=(_figure(result), _words(result)) if len(result.radius) else None,
     )
 
 
@@ -85,6 +80,7 @@ def _radius(result: Verification) -> tuple[Section, ...]:
     if not len(result.radius):
         return ()
     alpha = np.asarray(result.alpha_deg, float)
+    low, high = float(np.min(result.radius)), float(np.max(result.radius))
     panel = Panel(
         "Spectral radius over posture",
         "angle between the links, alpha [deg]",
@@ -97,7 +93,8 @@ def _radius(result: Verification) -> tuple[Section, ...]:
                 ),
             ),
         ),
-        _words(result),
+        f"The spectral radius of explicit injection is {number(low)} to {number(high)} over the knee angle "
+        "alpha; it is stable below 1.",
         log=False,
     )
     text = (
@@ -109,30 +106,9 @@ def _radius(result: Verification) -> tuple[Section, ...]:
     return (Section("explicit", "Explicit injection", (text,), drawings=(drawing,)),)
 
 
-def _words(result: Verification) -> str:
-    low, high = float(np.min(result.radius)), float(np.max(result.radius))
-    return (
-        f"The spectral radius of explicit injection is {number(low)} to {number(high)} over the knee angle "
-        "alpha; it is stable below 1."
-    )
-
-
 def _stated(result: Verification) -> tuple[Section, ...]:
     lines = [
         f"{about} {number(v)} {unit_text(unit)}".rstrip() + "." for v, unit, about in result.facts.values()
     ]
     lines += [f"Not checked: {line}" for line in result.not_checked]
     return (Section("stated", "Reported, but not checked", remarks=tuple(lines)),) if lines else ()
-
-
-def _figure(result: Verification) -> Figure:
-    with mpl.rc_context({"font.size": 9}):
-        figure = Picture(figsize=(6.0, 2.8), layout="constrained")
-        ax = figure.subplots()
-        ax.plot(result.alpha_deg, result.radius, color=AFTER, label="explicit injection")
-        ax.axhline(1.0, color=FLOOR, ls=(0, (1, 2)), label="limit of stability")
-        ax.set_xlabel("alpha [deg]")
-        ax.set_ylabel("spectral radius")
-        ax.legend(frameon=False)
-        ax.spines[["top", "right"]].set_visible(False)
-    return figure

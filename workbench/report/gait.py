@@ -10,7 +10,7 @@ from rich.console import Group
 from workbench.core import FORMAT
 from workbench.gait import Gait, Interval, Measure
 
-from .json_parts import clean
+from .json_parts import clean, picked
 from .layout import table, text
 
 
@@ -43,26 +43,12 @@ def gait_dict(result: Gait, not_predicted: str | None = None) -> dict[str, Any]:
             "again": result.again,
             "command": list(result.command),
             "measures": [
-                {
-                    "name": m.name,
-                    "unit": m.unit,
-                    "seen_in": m.seen_in,
-                    **{key: _dict(getattr(m, key)) for key in ("hardware", "simulator", "gap", "floor")},
-                }
+                picked(m, "name", "unit", "seen_in", "hardware", "simulator", "gap", "floor")
                 for m in result.measures
             ],
             "lacking": [*result.lacking, *([not_predicted] if not_predicted else [])],
         }
     )
-
-
-def _dict(value: Interval | None) -> dict[str, float | None] | None:
-    if value is None:
-        return None
-    return {
-        name: x if np.isfinite(x) else None
-        for name, x in (("value", value.value), ("low", value.low), ("high", value.high))
-    }
 
 
 def _name(m: Measure) -> str:

@@ -22,11 +22,12 @@ from workbench.core import (
 )
 from workbench.core.files import write_whole
 
-from .json_parts import clean, effect_dict, key_dict, key_dicts, share_dicts
+from .json_parts import clean, effect_dict, key_dict, key_dicts, picked, share_dicts
 from .told_apart import disagreement_dicts, identifiability_dict
 from .trace import trace_dicts
 
 Truth = Sequence[Mapping[str, Any]]
+_CHECK = "name", "value", "tolerance", "passed", "unit", "about", "hint"
 
 
 def comparison_dict(result: Comparison) -> dict[str, Any]:
@@ -126,24 +127,13 @@ def verification_dict(result: Verification) -> dict[str, Any]:
         {
             "format": FORMAT,
             "passed": result.passed,
-            "checks": [
-                {
-                    "name": c.name,
-                    "value": c.value,
-                    "tolerance": c.tolerance,
-                    "passed": c.passed,
-                    "unit": c.unit,
-                    "about": c.about,
-                    "hint": c.hint,
-                }
-                for c in result.checks
-            ],
+            "checks": [picked(c, *_CHECK) for c in result.checks],
             "variants": {name: {"M_at_90deg": list(m)} for name, m in result.variants.items()},
             "explicit_spectral_radius": {"alpha_deg": result.alpha_deg, "radius": result.radius},
             "model": result.model,
             "facts": {
-                name: {"value": value, "unit": unit, "about": about}
-                for name, (value, unit, about) in result.facts.items()
+                name: dict(zip(("value", "unit", "about"), fact, strict=True))
+                for name, fact in result.facts.items()
             },
             "not_checked": list(result.not_checked),
         }
@@ -170,49 +160,35 @@ def write_json(obj: Mapping[str, Any], path: str | Path, *, force: bool = False)
 
 
 def _recording(r: RecordingError) -> dict[str, Any]:
+    ground = () if r.ground_force_rmse is None else ("ground_force_rmse", "ground_force_noise")
+    scores = "position_rmse", "torque_rmse", "position_noise", "torque_noise", "error", "noise_error"
     return {
         "name": r.recording.name,
-        "axes": list(r.recording.axes),
-        "position_rmse": r.position_rmse,
-        "torque_rmse": r.torque_rmse,
-        "position_noise": r.position_noise,
-        "torque_noise": r.torque_noise,
-        "error": r.error,
-        "noise_error": r.noise_error,
-        "units": list(r.recording.units),
+        "axes": r.recording.axes,
+        **picked(r, *scores),
+        "units": r.recording.units,
         "coordinates": r.recording.coordinates,
-        **(
-            {}
-            if r.ground_force_rmse is None
-            else {"ground_force_rmse": r.ground_force_rmse, "ground_force_noise": r.ground_force_noise}
-        ),
+        **picked(r, *ground),
     }
 
 
 def _shape(s: Shape) -> dict[str, Any]:
     return {
         "axis": s.axis,
-        "of": list(s.quantities),
-        "units": list(s.units),
+        "of": s.quantities,
+        "units": s.units,
         "frequency_hz": s.frequency,
-        "share": s.share,
-        "grid": s.grid,
-        "torque": s.torque,
-        "std": s.std,
-        "torque_unit": s.torque_unit,
+        **picked(s, "share", "grid", "torque", "std", "torque_unit"),
     }
 
 
 def _finding(f: Finding) -> dict[str, Any]:
     return {
         **effect_dict(f.key, f.parameters),
-        "error_after": f.error_after,
-        "holdout_error_before": f.holdout_error_before,
-        "holdout_error_after": f.holdout_error_after,
-        "probability": f.probability,
+        **picked(f, "error_after", "holdout_error_before", "holdout_error_after", "probability"),
         "indistinguishable_from": key_dicts(f.indistinguishable_from),
         "evidence": list(f.evidence),
-        **({} if f.total is None else {"model_value": f.model_value, "total": f.total}),
+        **({} if f.total is None else picked(f, "model_value", "total")),
     }
 
 

@@ -21,7 +21,7 @@ def key_dict(key: EffectKey) -> dict[str, Any]:
 
 def effect_dict(key: EffectKey, parameters: Mapping[str, Estimate]) -> dict[str, Any]:
     """Return an effect, its place and its parameters."""
-    return {**key_dict(key), "parameters": parameter_dicts(parameters)}
+    return {**key_dict(key), "parameters": {n: vars(e) for n, e in parameters.items()}}
 
 
 def key_dicts(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
@@ -29,32 +29,20 @@ def key_dicts(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
     return [key_dict(k) for k in keys]
 
 
-def parameter_dicts(parameters: Mapping[str, Estimate]) -> dict[str, Any]:
-    """Return parameters by name, with standard deviation and unit."""
-    return {name: {"value": e.value, "std": e.std, "unit": e.unit} for name, e in parameters.items()}
+def picked(value: object, *names: str) -> dict[str, Any]:
+    """Return attributes of a value by name, in this order."""
+    return {name: getattr(value, name) for name in names}
 
 
 def share_dicts(shares: Iterable[Share]) -> list[dict[str, Any]]:
     """Return where the error is."""
-    return [
-        {
-            "axis": s.axis,
-            "signal": s.signal,
-            "range": list(s.range),
-            "unit": s.unit,
-            "share": s.share,
-            "quantity": s.quantity,
-        }
-        for s in shares
-    ]
+    return [picked(s, "axis", "signal", "range", "unit", "share", "quantity") for s in shares]
 
 
 def clean(value: Any) -> Any:
     """Return the same value in plain Python types, NaN and infinities as None."""
     if isinstance(value, Mapping):
         return {str(k): clean(v) for k, v in value.items()}
-    if isinstance(value, Estimate):
-        return clean({"value": value.value, "std": value.std, "unit": value.unit})
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: clean(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, np.ndarray):

@@ -5,7 +5,7 @@ A verdict, key numbers, and sections of sentences, tables and drawings; `sheet_p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -115,8 +115,7 @@ class Sheet:
         sentence: the verdict.
         lines: up to three more sentences.
         key_numbers: label, number, remark.
-        sections: the rest.
-        picture: for where scripts do not run, with the words for who does not see it.
+        sections: the rest; where scripts do not run, their first drawing stands as a picture.
     """
 
     kind: str
@@ -126,7 +125,6 @@ class Sheet:
     lines: tuple[str, ...] = ()
     key_numbers: tuple[tuple[str, str, str], ...] = ()
     sections: tuple[Section, ...] = ()
-    picture: tuple[Figure, str] | None = field(default=None)
 
 
 @dataclass(frozen=True)

@@ -41,9 +41,9 @@ def render_sheet(
     sheet: Sheet, *, command: str, seeds: Mapping[str, int] | None = None, inputs: Sequence[str | Path] = ()
 ) -> str:
     """Return the page as HTML text; see `write_sheet`."""
-    panels = [p for s in sheet.sections for d in s.drawings for p in d.panels]
+    drawings = [d for s in sheet.sections for d in s.drawings]
+    panels = [p for d in drawings for p in d.panels]
     numbered = iter(range(len(panels)))
-    fallback = _picture(sheet.picture if panels else None)
     return template("sheet.html.j2").render(
         kind=plain(sheet.kind),
         model=plain(sheet.model),
@@ -53,7 +53,7 @@ def render_sheet(
         key_numbers=[tuple(map(plain, entry)) for entry in sheet.key_numbers],
         sections=[_section(s, numbered) for s in sheet.sections],
         reproduce=reproduce(command, seeds, inputs),
-        fallback=fallback,
+        fallback=_picture(drawings[0]) if panels else None,
         values=compress(json.dumps([_panel(p) for p in panels]).encode()) if panels else "",
         plotly=plotly() if panels else "",
     )
@@ -81,14 +81,13 @@ def _section(section: Section, numbered: Iterator[int]) -> dict[str, Any]:
     }
 
 
-def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
-    """A figure as the page embeds it, with what it shows in words."""
-    if picture is None:
-        return None
-    from .style import embedded  # slow to import, and only pictures need it
+def _picture(drawing: Drawing) -> dict[str, str]:
+    """A drawing as a picture, with what it shows in words."""
+    from .sheet_picture import panels_figure  # slow to import, and only pages that draw need it
+    from .style import embedded
 
-    figure, words = picture
-    return {"picture": embedded(figure, dpi=110), "words": plain(words)}
+    words = " ".join(panel.summary for panel in drawing.panels)
+    return {"picture": embedded(panels_figure(drawing.panels), dpi=110), "words": plain(words)}
 
 
 def _inline(picture: tuple[Figure, str] | None) -> dict[str, Any] | None:

@@ -42,6 +42,25 @@ def parallel_inertia(m11: float, m12: float, m22: float, alpha: np.ndarray | flo
     return out
 
 
+def parallelogram_form(
+    mass: np.ndarray, pull: np.ndarray, q: np.ndarray, j: np.ndarray = JACOBIAN
+) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return (M11, M12, M22) [kg m^2] of Eq. 14 and (g1, g2) [N m] of weights -g sin q_p, nearest to terms.
+
+    Args:
+        mass, pull: inertia (N, 2, 2) and torque of the weights (N, 2), actuator coordinates.
+        q: serial positions (N, 2) [rad], from straight down.
+
+    Returns:
+        Them, and how far the terms are from that form: largest deviation of inertia and of torque.
+    """
+    cosine, sine = np.cos(q[:, 1]), np.sin(q @ j.T)
+    m = np.array([mass[:, 0, 0].mean(), mass[:, 0, 1] @ cosine / (cosine @ cosine), mass[:, 1, 1].mean()])
+    g = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
+    off = np.abs(parallel_inertia(m[0], m[1], m[2], q[:, 1]) - mass).max()
+    return m, g, off, np.abs(pull + g * sine).max()
+
+
 def link_inertia(total: np.ndarray, drives: ArrayLike) -> np.ndarray:
     """M_link^p = M_p - diag(J_i): the links alone, actuator coordinates (paper, Eq. 15)."""
     return total - np.diag(np.asarray(drives, float))

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from workbench.core import InputError
+from workbench.core.files import read_file
 from workbench.core.xml import parse_xml
 
 from .sdf import HERE, Joint, Link, Pose, SdfTree, based, read_sdf
@@ -25,10 +26,7 @@ def read_tree(file: Path) -> SdfTree:
     """
     if file.suffix.lower() != ".urdf":
         return read_sdf(file)
-    try:
-        root = parse_xml(file.read_bytes(), file, prefixes=False)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error}", file=file, remedy="check the path") from error
+    root = parse_xml(read_file(file), file, prefixes=False)
     if root.tag != "robot":
         raise InputError(f"it is a <{root.tag}>", file=file, remedy="a URDF is a <robot>")
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from workbench.report.response import entry_panels, error_row, notes_of, posture
 from workbench.report.sheet import Drawing, Panel, Section, Sheet, SheetTable
 from workbench.report.wording import capital
 
-from .picture import frf_figure
 from .responses import FrfComparison
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _DRAWN = 6  # postures; more make a page that no one reads
 _WITHIN = 1.5  # times the measurement's uncertainty at which a model counts as agreeing
@@ -57,7 +60,6 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
             *(_section(c, k, len(drawn)) for k, c in enumerate(c for c in found if c in drawn)),
             *notes_of(c.frf for c in found),
         ),
-        picture=(frf_figure(worst), f"Measured response about {posture_of(worst.frf)}, and models."),
     )  # fmt: skip
 
 
@@ -122,7 +124,15 @@ def _table(found: Sequence[FrfComparison]) -> SheetTable:
     )
 
 
-def _section(c: FrfComparison, number_: int, count: int) -> Section:
+def frf_figure(comparison: FrfComparison) -> Figure:
+    """Return response and models at one posture as a picture; see `frf_panels`."""
+    from workbench.report.sheet_picture import panels_figure  # slow to import, and only pictures need it
+
+    return panels_figure(frf_panels(comparison))
+
+
+def frf_panels(c: FrfComparison) -> list[Panel]:
+    """Return a panel per entry with magnitude, phase and error, and where there are several, all errors."""
     panels = entry_panels(c.frf, c.models)
     if len(panels) > 1:
         low = 0.3 * min(float(np.min(c.noise)), *(float(np.median(e)) for e in c.error.values()))
@@ -135,6 +145,10 @@ def _section(c: FrfComparison, number_: int, count: int) -> Section:
             wide=True,
         )
         panels.append(whole)
+    return panels
+
+
+def _section(c: FrfComparison, number_: int, count: int) -> Section:
     what = c.frf.outputs[0].signal
     caption = (
         f"From {c.frf.inputs[0].signal.replace('_', ' ')} to {what}. Grey: 95 % of the measurement's "
@@ -146,5 +160,5 @@ def _section(c: FrfComparison, number_: int, count: int) -> Section:
         f"posture-{number_ + 1}",
         "Response" if count == 1 else f"Response {number_ + 1}",
         sentences=(f"About {posture_of(c.frf)} ({c.frf.coordinates} coordinates).",),
-        drawings=(Drawing(tuple(panels), caption),),
+        drawings=(Drawing(tuple(frf_panels(c)), caption),),
     )
