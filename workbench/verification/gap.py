@@ -1,87 +1,20 @@
-"""The inertia and damping that a serial tree leaves out of a parallel leg, as numbers, tables and a picture.
-
-By term and posture (paper, Eqs. 5, 12, 13, 19).
-"""
+"""The inertia that a serial tree leaves out of a parallel leg, as tables and a picture."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
 from rich.table import Table
-from scipy.linalg import eigh
 
 from workbench.core.palette import COLOURS, LINES
 from workbench.core.picture import Picture
 from workbench.models import Model
 from workbench.report.layout import table as new_table
 from workbench.report.response import words_of
-from workbench.s3n.closed_forms import actuator_increment
-from workbench.s3n.dynamics import variant_dynamics
+from workbench.s3n.gap import InertiaGap, inertia_gap
 
 _ENTRIES = (("M11", 0, 0), ("M12", 0, 1), ("M22", 1, 1))
 _LINES = {name: LINES[name] for name in ("kin_only", "s3n_act", "s3n_full")}
-
-
-@dataclass(frozen=True)
-class InertiaGap:
-    """The inertia that Kin-Only lacks over N knee angles, serial coordinates.
-
-    Attributes:
-        alpha: knee angles (N,) [rad].
-        mass: variant -> mass matrix (N, 2, 2) [kg m^2].
-        actuator: Delta M_act (2, 2), the same at every posture [kg m^2].
-        linkage: Delta M_link (N, 2, 2) [kg m^2].
-        damping: Delta D_act (2, 2) [N m s/rad].
-        too_fast: by how much Kin-Only's acceleration exceeds the true one in the worst direction of torque,
-            (N,): the largest eigenvalue of M_kin^-1 M_full, less one.
-        worst: that direction of acceleration (N, 2), unit vectors of joint coordinates.
-    """
-
-    alpha: np.ndarray
-    mass: dict[str, np.ndarray]
-    actuator: np.ndarray
-    linkage: np.ndarray
-    damping: np.ndarray
-    too_fast: np.ndarray
-    worst: np.ndarray
-
-    @property
-    def actuator_share(self) -> np.ndarray:
-        """Share of the gap that is the actuators', by Frobenius norm, (N,)."""
-        actuator = np.linalg.norm(self.actuator)
-        return actuator / (actuator + np.linalg.norm(self.linkage, axis=(1, 2)))
-
-
-def inertia_gap(model: Model, alpha: np.ndarray) -> InertiaGap:
-    """Return the gap of a parallelogram leg.
-
-    Args:
-        model: with its drives and linkage.
-        alpha: knee angles (N,) [rad].
-
-    Raises:
-        InputError: the model has no parallelogram.
-    """
-    alpha = np.asarray(alpha, float)
-    q = np.stack([np.zeros_like(alpha), alpha], axis=1)
-    names = ("kin_only", "s3n_act", "s3n_full")
-    mass = {name: variant_dynamics(model, name, q, np.zeros_like(q)).mass for name in names}
-    too_fast, worst = np.empty(len(alpha)), np.empty((len(alpha), 2))
-    for k, (kin, full) in enumerate(zip(mass["kin_only"], mass["s3n_full"], strict=True)):
-        values, vectors = eigh(full, kin)
-        too_fast[k] = values[-1] - 1.0
-        worst[k] = vectors[:, -1] / np.linalg.norm(vectors[:, -1])
-    return InertiaGap(
-        alpha,
-        mass,
-        actuator_increment(np.array(model.actuators.inertia), model.transmission),
-        mass["s3n_full"] - mass["s3n_act"],
-        actuator_increment(np.array(model.actuators.damping), model.transmission),
-        too_fast,
-        worst,
-    )
 
 
 def papers_table(model: Model) -> Table:
