@@ -7,6 +7,7 @@ import pytest
 
 from workbench.core import EffectKey, Estimate, Outlier, Share
 from workbench.report import diagnosis_dict, render_page, sentence
+from workbench.report.answer import near_sentence
 from workbench.report.comparison_words import loop_sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
@@ -77,6 +78,7 @@ def test_verdicts(comparison, diagnosis, improvement):
         "has another cause."
     )
     assert sentence(partly).endswith(end)
+    assert "links are wrong too" in sentence(replace(partly, by_links=0.97))
     doubted = tuple(replace(f, probability=0.6) for f in partly.findings)
     assert "certain" not in sentence(replace(partly, findings=doubted)), "a name of 60 % is not"
     two = replace(diagnosis, findings=diagnosis.findings * 2)
@@ -265,3 +267,12 @@ def test_a_payload_off_its_site_is_told_by_its_mass() -> None:
     assert sized_phrase(key, mass) == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool'"
     off = sized_phrase(key, {**mass, "moment_x": Estimate(0.1, 0.01, "kg*m")})
     assert off == "a payload of 2.95 ± 0.06 kg (95 %) at site 'tool' (its centre is elsewhere)"
+
+
+def test_several_wrong_numbers_of_links_are_the_answer() -> None:
+    near = build.diagnosis().findings[:1]
+    result = replace(build.unexplained(), by_links=0.97, near=near)
+    assert sentence(result).startswith("Several numbers of the links are wrong. Other masses")
+    assert "97 % of the torque that stays" in sentence(result)
+    assert near_sentence(result).endswith("not certain: the numbers of all links together explain more.")
+    assert "smooth curve" in near_sentence(replace(result, by_links=0.0))

@@ -49,6 +49,8 @@ class Diagnosis(Shown):
         disagreeing: recordings that an effect explains with a size of its own each.
         trace: what was tried, in this order.
         mend: stated numbers that are wrong, with file, line, and what they should be, one line each.
+        by_links: share of the torque that stays which several wrong numbers of the links explain together, of
+            which none has a name; 0 where that is not shown.
     """
 
     model: str
@@ -77,6 +79,7 @@ class Diagnosis(Shown):
     disagreeing: tuple[Disagreement, ...] = ()
     trace: tuple[Tried, ...] = ()
     mend: tuple[str, ...] = ()
+    by_links: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -129,6 +129,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         disagreeing=first.disagreeing,
         trace=first.trace,
         mend=mend_lines(first.model, recordings, findings),
+        by_links=last.by_links if last.of_links else 0.0,
         notes=(
             *before.notes,
             *_softness(first),

@@ -35,6 +35,8 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
+        if result.by_links:
+            return f"Several numbers of the links are wrong.{_by_links(result)}"
         return (
             f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise remains."
         )
@@ -52,6 +54,8 @@ def _nothing(result: Diagnosis | None) -> str:
     """That nothing can be named: a limit of the search is no fact about the machine."""
     if result is not None and result.stopped == "budget":
         return "the search ended before it had tried everything, and nothing so far explains what is missing"
+    if result is not None and result.by_links:
+        return "several numbers of the links are wrong, and no single one explains what is missing"
     return "no effect that was tried explains what is missing"
 
 
@@ -71,7 +75,17 @@ def partly_sentence(result: Diagnosis) -> str:
     rest = percent(result.unexplained_fraction)
     sure = all(f.probability >= _CERTAIN for f in result.findings)
     this = "This is certain, but it is not" if sure else "This is not"
-    return f" {this} the whole cause: {rest} of the squared error above the noise has another cause."
+    links = f" Several numbers of the links are wrong too.{_by_links(result)}" if result.by_links else ""
+    return f" {this} the whole cause: {rest} of the squared error above the noise has another cause.{links}"
+
+
+def _by_links(result: Diagnosis) -> str:
+    """How much of the torque that stays is of the links' numbers, and what to do, with a space before it."""
+    share = percent(result.by_links)
+    return (
+        f" Other masses, centres of mass and inertias of all links together explain {share} of the torque "
+        "that stays, and no single one of them does: take them from the maker or from CAD."
+    )
 
 
 def improvement_sentence(result: Improvement) -> str:
@@ -177,18 +191,18 @@ def in_words(parameters: Mapping[str, Estimate]) -> list[str]:
     return [f"{parameter_name(name)} {interval(value)}" for name, value in parameters.items()]
 
 
-def near_sentence(near: Sequence[Finding]) -> str:
+def near_sentence(result: Diagnosis | None) -> str:
     """Return effects that lower the error but are not certain enough to be named; empty if there are none."""
-    if not near:
+    if result is None or not result.near:
         return ""
+    near = result.near
     told = []
     for f in near:
         told.append(f"{effect_phrase(f.key)} ({', '.join(in_words(f.parameters))})")
     verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
-    return (
-        f"{capital(any_of(told, 'and'))} {verb} not certain: an arbitrary smooth curve over the same or "
-        "another quantity explains as much or more."
-    )
+    curve = "an arbitrary smooth curve over the same or another quantity explains as much or more"
+    why = "the numbers of all links together explain more" if result.by_links else curve
+    return f"{capital(any_of(told, 'and'))} {verb} not certain: {why}."
 
 
 def rest_sentence(result: Improvement) -> str:

@@ -115,7 +115,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
         out.append(w.holdout_sentence(result.holdout_error_before, result.holdout_error_after))
     diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
     out += [plain(f"{w.capital(line)}.") for line in (diagnosis.mend if diagnosis else ())]
-    out.append(near_sentence(diagnosis.near if diagnosis else ()))
+    out.append(near_sentence(diagnosis))
     if before is not None and before.where and result.verdict == "unexplained":
         out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")
     return [line for line in out if line]

@@ -98,7 +98,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
     ]
     for place, finding in enumerate(result.findings, start=1):
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
-    parts += [_text(line) for line in (near_sentence(result.near),) if line]
+    parts += [_text(line) for line in (near_sentence(result),) if line]
     if not good:
         parts += _shares("Location of the unexplained error", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
@@ -148,12 +148,11 @@ def improvement_table(result: Improvement) -> Group:
         _bar(result.noise_error, steps[0].error),
     )
     rest = result.diagnosis.evidence if result.diagnosis and not named else ()
-    near = result.diagnosis.near if result.diagnosis else ()
     return Group(
         _verdict(sentence(result), result.verdict == "consistent"),
         table,
         Text("± is half a 95 % interval."),
-        *(_text(line) for line in (near_sentence(near), rest_sentence(result)) if line),
+        *(_text(line) for line in (near_sentence(result.diagnosis), rest_sentence(result)) if line),
         *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
         *(_mend(result.diagnosis) if result.diagnosis else ()),
