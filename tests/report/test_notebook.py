@@ -6,7 +6,7 @@ from itertools import pairwise
 from matplotlib.figure import Figure
 
 from workbench import inspect, load_model
-from workbench.core import Recordings
+from workbench.core import Recording, Recordings
 
 from .browser import NASTY, Page
 
@@ -70,6 +70,13 @@ def test_a_shell_prints_a_few_lines_and_no_arrays(comparison, diagnosis, improve
         assert "array(" not in text and text.count("\n") < 25
         assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
         assert isinstance(value.plot(), Figure)
+    parts = (comparison.recordings[0], diagnosis.findings[0], improvement.steps[0], recordings[:1])
+    for value in parts:
+        text = repr(value)
+        assert "array(" not in text and "EffectKey" not in text and text.count("\n") < 10
+        assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
+    assert "chirp_hip" in repr(parts[0]) and "97 % probable" in repr(parts[1])
+    assert isinstance(recordings[1:], Recordings) and isinstance(recordings[0], Recording)
     assert "Coulomb friction" in repr(improvement) and "0.254 ± 0.003 N m" in repr(diagnosis)
 
 
