@@ -66,7 +66,7 @@ def diagnose(
     Args:
         model: what we believe.
         training: recordings to fit.
-        held_out: recordings that judge; without them, folds of the training data do.
+        held_out: recordings that only test the fit; without them, folds of the training data do.
         seed: of the noise simulations.
         progress: told what is being done.
 

@@ -31,7 +31,7 @@ def improve(
     Args:
         model: what we believe.
         training: recordings to fit.
-        held_out: recordings that judge.
+        held_out: recordings that only test the fit.
         seed: of the noise simulations.
         progress: told what is being done.
         limit: most effects to add one by one; None: as many as a diagnosis.
