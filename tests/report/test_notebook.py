@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from matplotlib.figure import Figure
 
-from workbench import inspect, load_model
+from workbench import compare, inspect, load_model
 from workbench.core import Recording, Recordings
 
 from .browser import NASTY, Page
@@ -78,6 +78,14 @@ def test_a_shell_prints_a_few_lines_and_no_arrays(comparison, diagnosis, improve
     assert "chirp_hip" in repr(parts[0]) and "97 % probable" in repr(parts[1])
     assert isinstance(recordings[1:], Recordings) and isinstance(recordings[0], Recording)
     assert "Coulomb friction" in repr(improvement) and "0.254 ± 0.003 N m" in repr(diagnosis)
+
+
+def test_one_recording_needs_no_list(comparison) -> None:
+    recording = comparison.recordings[0].recording
+    assert [r.recording for r in inspect(recording).recordings] == [recording.name]
+    [entry] = compare(load_model("leg"), recording, draws=2).recordings
+    assert entry.recording.name == recording.name
+    assert Recordings.of(recording) == Recordings.of([recording])
 
 
 def test_a_model_s_lines_have_what_its_file_states(tmp_path) -> None:
