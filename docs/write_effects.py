@@ -6,6 +6,7 @@ python docs/write_effects.py --check    # exit code 1 where one is not current
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,9 +50,9 @@ def table() -> Iterator[str]:
 
 def page(effect: Effect) -> Iterator[str]:
     """The page of one effect."""
-    about = (effect.__doc__ or "").splitlines()[0].rstrip(".")
+    about = " ".join((effect.__doc__ or "").split("\n\n")[0].split()).rstrip(".")
     yield f"# {effect.name}\n"
-    yield f"Acts on {where(effect)}. [All effects](../effects.md)\n"
+    yield f"Acts on {where(effect)}. [All effects, and what the symbols mean](../effects.md)\n"
     if PAGE.with_name("images").joinpath("effects", f"{effect.name}.png").is_file():
         yield f"![Its signature over speed, position and time](../images/effects/{effect.name}.png)\n"
     yield f"- Equation: {escaped(about)}"
@@ -63,9 +64,9 @@ def page(effect: Effect) -> Iterator[str]:
     yield f"- Experiment that shows it best: {escaped(effect.words.reveal)}"
     yield f"- In MuJoCo: {escaped(effect.words.mujoco)}"
     if effect.search.contains:
-        yield f"- Contains: {links(effect.search.contains)}"
+        yield f"- Special cases: {links(effect.search.contains)}"
     if effect.search.twins:
-        yield f"- Cannot be told from: {links(effect.search.twins)}"
+        yield f"- Looks the same in many recordings: {links(effect.search.twins)}"
     place = "@AXIS" if effect.locations else ""
     values = "".join(f" {p.name}={p.example:g}" for p in effect.parameters if not p.optional)
     yield f"\n```sh\nworkbench add MODEL.toml {effect.name}{place}{values} -o new.toml\n```"
@@ -80,7 +81,7 @@ def where(effect: Effect) -> str:
     """Axis and location in words."""
     if not effect.locations:
         return "the whole machine"
-    return "one axis, drive or pin" if "joint" in effect.locations else "one axis, drive"
+    return "one axis, at its drive or its pin" if "joint" in effect.locations else "one axis, at its drive"
 
 
 def parameters(effect: Effect) -> str:
@@ -96,10 +97,10 @@ def named(parameter: Parameter) -> str:
 
 
 def escaped(text: str) -> str:
-    """Text with what Markdown would take for marks made plain."""
-    for mark in "*_|<>":
-        text = text.replace(mark, f"\\{mark}")
-    return text
+    """Text with what Markdown would take for marks made plain; names in backticks stay."""
+    return "`".join(
+        part if k % 2 else re.sub(r"([*_|<>])", r"\\\1", part) for k, part in enumerate(text.split("`"))
+    )
 
 
 if __name__ == "__main__":

@@ -22,14 +22,15 @@ if TYPE_CHECKING:
     from .inspection import inspect
     from .proposing import import_table
     from .recordings import load_recording, load_recordings, save_recording
-    from .simulation import simulate
+    from .simulation import Run, simulate
 
 __all__ = [
-    "compare", "diagnose", "import_table", "improve", "inspect", "load_model", "load_recording",
+    "Run", "compare", "diagnose", "import_table", "improve", "inspect", "load_model", "load_recording",
     "load_recordings", "save_recording", "simulate",
 ]  # fmt: skip
 
 _HOME = {
+    "Run": "simulation",
     "compare": "comparison",
     "diagnose": "diagnosis",
     "import_table": "proposing",

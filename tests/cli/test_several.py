@@ -38,6 +38,14 @@ def test_logs_that_are_alike_become_recordings_in_one_folder(imported: Path) -> 
     assert {**alone, "table": "", "name": ""} == {**together, "table": "", "name": ""}
 
 
+def test_a_pattern_that_the_shell_left_alone_names_logs(imported: Path) -> None:
+    done = run("import", "*.csv", "--model", "arm.xml", "-o", "quoted", "-q", cwd=imported)
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (imported / "quoted").glob("*.toml")) == ["check.toml", "sweep.toml"]
+    none = run("import", "*.xyz", "--model", "arm.xml", cwd=imported)
+    assert none.returncode == 2 and "*.xyz" in none.stderr
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

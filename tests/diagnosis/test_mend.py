@@ -64,6 +64,14 @@ def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch
     )
 
 
+def test_what_is_nothing_beside_the_largest_number_is_not_told(tmp_path: Path) -> None:
+    model = load_model(bench_arm(tmp_path))
+    [told] = mend_lines(
+        model, [], [found("first_moment_error", "lift", "first moment", None, along=0.072, across=4e-5)]
+    )
+    assert told.endswith("is (0.17 0 0) and should be (0.2 0 0)")
+
+
 def test_a_number_of_a_toml_leads_to_its_line() -> None:
     model = load_model("leg")
     k, drive = 1, model.axes[1]

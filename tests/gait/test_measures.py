@@ -107,6 +107,7 @@ def test_two_gaits_apart_by_what_is_known() -> None:
     assert found["foot force over the stride"][0] > 5.0 > found["foot force over the stride"][1]
     assert found["E_phi"][0] == pytest.approx(0.0, abs=1e-9) and 0.3 < found["E_phi"][1] < 0.7
     assert not made.lacking
+    assert "stride frequency" in repr(made) and "array(" not in repr(made) + made._repr_html_()
 
 
 def test_measures_that_can_be_made_are_and_others_are_named() -> None:

@@ -55,6 +55,14 @@ def test_the_actuator_is_table_one() -> None:
         assert inside(estimate, truth)
 
 
+def test_a_shell_prints_the_numbers_with_intervals() -> None:
+    drive, whole = identify_actuator(bench()), identify_leg(leg())
+    assert "Inertia    0.0162" in repr(drive) and "delay" in repr(whole) and "M12" in repr(whole)
+    for value in (drive, whole):
+        assert "array(" not in repr(value) and repr(value).count("\n") < 15
+        assert "±" in value._repr_html_() and len(value.plot().axes) >= 2
+
+
 def test_the_picture_shows_what_each_parameter_would_change() -> None:
     found = identify_actuator(bench())
     f, fit = found.frf.frequency, np.abs(found.fit.responses[0][:, 0, 0])

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 from matplotlib.figure import Figure
 
-from workbench import inspect, load_model
-from workbench.core import Recordings
+from workbench import compare, inspect, load_model
+from workbench.core import Recording, Recordings
 
 from .browser import NASTY, Page
 
@@ -70,7 +70,22 @@ def test_a_shell_prints_a_few_lines_and_no_arrays(comparison, diagnosis, improve
         assert "array(" not in text and text.count("\n") < 25
         assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
         assert isinstance(value.plot(), Figure)
+    parts = (comparison.recordings[0], diagnosis.findings[0], improvement.steps[0], recordings[:1])
+    for value in parts:
+        text = repr(value)
+        assert "array(" not in text and "EffectKey" not in text and text.count("\n") < 10
+        assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
+    assert "chirp_hip" in repr(parts[0]) and "97 % probable" in repr(parts[1])
+    assert isinstance(recordings[1:], Recordings) and isinstance(recordings[0], Recording)
     assert "Coulomb friction" in repr(improvement) and "0.254 ± 0.003 N m" in repr(diagnosis)
+
+
+def test_one_recording_needs_no_list(comparison) -> None:
+    recording = comparison.recordings[0].recording
+    assert [r.recording for r in inspect(recording).recordings] == [recording.name]
+    [entry] = compare(load_model("leg"), recording, draws=2).recordings
+    assert entry.recording.name == recording.name
+    assert Recordings.of(recording) == Recordings.of([recording])
 
 
 def test_a_model_s_lines_have_what_its_file_states(tmp_path) -> None:

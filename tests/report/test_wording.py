@@ -220,7 +220,8 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
         "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "
         "1.300 ± 0.020 times what is stated."
     )
-    assert f"C{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
+    page = Page(render_page(told, command="workbench diagnose")).text
+    assert f"C{line[1:]}. Correct the file or use the model with the effect, not both" in page
     assert diagnosis_dict(told)["mend"] == [line]
     both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
     assert "Something is missing too: Coulomb friction" in both

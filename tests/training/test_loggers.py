@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from tests.cli.here import run
 from workbench.core import InputError
 from workbench.training.curve import Curve
 from workbench.training.curve_file import read_curve
@@ -74,3 +75,15 @@ def test_a_logger_that_cannot_be_used_is_refused_in_one_line(monkeypatch: pytest
     monkeypatch.setitem(sys.modules, "wandb", None)
     with pytest.raises(InputError, match="needs the package wandb; install it"):
         check_logger("wandb")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [(("--logger", "nope"), "no logger is called 'nope'"), (("--legs", "nope"), "no range is called 'nope'")],
+)
+def test_a_wrong_name_is_refused_before_torch_is_loaded(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: tuple[str, ...], says: str
+) -> None:
+    monkeypatch.setitem(sys.modules, "workbench.training.device", None)
+    ended = run("train", "reach", *words, "-o", "run", cwd=tmp_path)
+    assert ended.returncode == 2 and says in ended.stderr

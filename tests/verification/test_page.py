@@ -34,6 +34,16 @@ def test_it_holds_every_model_beside_the_measurement(found: list[FrfComparison])
     assert "frequency responses of leg" in render_sheet(sheet, command="workbench frf leg").lower()
 
 
+def test_a_shell_prints_a_line_per_model_and_per_entry(found: list[FrfComparison]) -> None:
+    words = repr(found[0])
+    assert "beside 5 models" in words and "Kin-Only" in words and words.count("\n") < 10
+    response = repr(found[0].frf)
+    assert "hip over knee" in response and "rad/s / (N m)" in response and response.count("\n") < 10
+    for value in (found[0], found[0].frf):
+        assert "array(" not in repr(value) and value._repr_html_().startswith("<div>")
+        assert value.plot().axes[0].get_ylabel() == "magnitude"
+
+
 def test_the_verdict_follows_the_numbers(found: list[FrfComparison]) -> None:
     c = found[0]
     true = {**c.error, "closed_chain": c.noise}

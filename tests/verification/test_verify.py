@@ -1,5 +1,6 @@
 """A right model passes; a model with one thing wrong fails with that thing named."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,13 @@ def test_the_reference_leg_agrees_in_every_engine(leg: Verification) -> None:
     assert leg.passed, failures(leg)
     exact = {c.name: c.value for c in leg.checks}
     assert max(exact[name] for name in ("mass_matrix", "gravity", "coriolis")) < 1e-9
+
+
+def test_a_shell_prints_the_verdict_and_a_line_per_quantity(leg: Verification) -> None:
+    lines = repr(leg).splitlines()
+    assert lines[0] == f"leg: all {len(leg.checks)} quantities agree." and len(lines) == len(leg.checks) + 2
+    broken = replace(leg, checks=(replace(leg.checks[0], value=0.2), *leg.checks[1:]))
+    assert "FAIL  forward kinematics" in repr(broken) and "disagree" in broken._repr_html_()
 
 
 def test_the_papers_table_to_all_printed_digits(leg: Verification) -> None:

@@ -39,7 +39,7 @@ def _without_models(paths: Sequence[str]) -> list[str]:
     """Return files, each given once, without models (as ``*.toml`` finds them); a note names these."""
     from workbench.recordings import is_model_file
 
-    paths = [file for path in paths for file in _found(path)]
+    paths = [file for path in paths for file in found(path)]
     models = [p for p in paths if is_model_file(Path(p))]
     if models and len(models) < len(paths):
         what = "is a model, not a recording" if len(models) == 1 else "are models, not recordings"
@@ -49,7 +49,7 @@ def _without_models(paths: Sequence[str]) -> list[str]:
     return list(paths)
 
 
-def _found(path: str) -> list[str]:
+def found(path: str) -> list[str]:
     """Return the files of a pattern that the shell left as it is; any other path alone."""
     return (not os.path.exists(path) and sorted(glob(path, recursive=True))) or [path]
 

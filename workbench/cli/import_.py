@@ -10,7 +10,7 @@ from typer import Argument, Option
 from workbench.core import InputError
 
 from . import complete, options
-from .common import check_outputs
+from .common import check_outputs, found
 from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
 from .import_table import import_several, import_table, read_answers
 
@@ -141,7 +141,7 @@ def import_(
     """
     from workbench.models import packaged_robot
 
-    paths = [packaged_robot(file) or Path(file) for file in files]
+    paths = [packaged_robot(file) or Path(file) for given in files for file in found(given)]
     path = paths[0]
     check_outputs(json, force=force)
     if len(paths) > 1:

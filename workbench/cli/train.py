@@ -111,6 +111,11 @@ def train(
     if not output:
         raise InputError("no folder for the run", remedy="name one: -o runs/reach")
     check_outputs(json, force=force)
+    check_logger(logger)
+    if legs is not None and legs not in LEG_RANDOMISATION:
+        raise InputError(
+            f"no range is called '{legs}'", remedy=f"choose one of {', '.join(LEG_RANDOMISATION)}"
+        )
     try:
         from workbench.training.device import usable
         from workbench.training.export import export
@@ -122,14 +127,9 @@ def train(
             f"training needs {error.name}",
             remedy="install the extra: pip install -e '.[training]' in the checkout",
         ) from error
-    check_logger(logger)
     shown = not quiet and json != "-"
     wanted = load_task(Path(task)) if own else TASKS[task]
     legs = legs or wanted.randomisation
-    if legs not in LEG_RANDOMISATION:
-        raise InputError(
-            f"no range is called '{legs}'", remedy=f"choose one of {', '.join(LEG_RANDOMISATION)}"
-        )
     stated = read_record(Path(record)) if record else None
     if model is None and record and stated is not None:
         model = model_of(stated, Path(record))

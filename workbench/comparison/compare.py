@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.core import HOPELESS, Comparison, Recording, SimulationError
+from workbench.core import HOPELESS, Comparison, Recording, Recordings, SimulationError
 from workbench.models import Model
 from workbench.s3n import on_drives
 from workbench.simulation import runs_in_loop
@@ -23,13 +23,14 @@ from .standing import on_ground
 
 
 def compare(
-    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
+    model: Model, recordings: Recording | Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
 ) -> Comparison:
     """Return the comparison of a model with recordings: error, noise floor, and where the error is.
 
     Args:
         model: what we believe.
-        recordings: what was measured; loops of kind ``unknown`` are compared by inverse dynamics.
+        recordings: what was measured, one or several; loops of kind ``unknown`` are compared by inverse
+            dynamics.
         draws: noise simulations behind the floor.
         seed: of those.
 
@@ -38,6 +39,7 @@ def compare(
         SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
             all that was measured.
     """
+    recordings = Recordings.of(recordings)
     known = not any(needs_inverse(model, r) for r in recordings)
     if model.posture_dependent and not (known and runs_in_loop(model)):
         model = on_drives(model)  # which is compared along the measured motion

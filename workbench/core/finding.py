@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from .shown import Told
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -41,8 +43,8 @@ class EffectKey:
         return there == (other.effect, other.axis, other.location)
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(Told):
     """One effect that explains the data.
 
     Attributes:

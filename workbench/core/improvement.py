@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from .diagnosis import Diagnosis, Verdict
 from .finding import EffectKey, Estimate
 from .results import Comparison
-from .shown import Shown
+from .shown import Shown, Told
 
 
-@dataclass(frozen=True)
-class Step:
+@dataclass(frozen=True, repr=False)
+class Step(Told):
     """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
 
     key: EffectKey

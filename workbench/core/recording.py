@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, SupportsIndex, overload
 
 import numpy as np
 
@@ -212,3 +212,17 @@ def _readonly(array: FloatArray) -> FloatArray:
 
 class Recordings(Shown, list[Recording]):
     """Several recordings: a list that shells and notebooks show in a few lines."""
+
+    @classmethod
+    def of(cls, given: Recording | Iterable[Recording]) -> Recordings:
+        """Return recordings as a list, or one recording as a list of one."""
+        return cls([given] if isinstance(given, Recording) else given)
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> Recording: ...
+    @overload
+    def __getitem__(self, index: slice) -> Recordings: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> Recording | Recordings:
+        """Return one of them, or several of them as such a list."""
+        found = super().__getitem__(index)
+        return Recordings(found) if isinstance(found, list) else found

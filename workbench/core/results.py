@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from .recording import Recording
-from .shown import Shown
+from .shown import Shown, Told
 
 FORMAT = 1
 
 
-@dataclass(frozen=True)
-class RecordingError:
+@dataclass(frozen=True, repr=False)
+class RecordingError(Told):
     """The distance between one recording and its simulation.
 
     Arrays over axes have shape (n,); NaN where the signal was not measured.

@@ -43,10 +43,10 @@ class Summary:
         return f"<div><p><strong>{html.escape(self.title)}</strong>{told}</p>{tables}</div>"
 
 
-class Shown:
+class Told:
     """A value that shells and notebooks show in a few lines.
 
-    How, is said by a module that is loaded by its name and only then: values know nothing of pages.
+    The module that says how is loaded by its name when it is needed: values know nothing of pages.
     """
 
     _shown_by = "workbench.report.notebook"
@@ -56,6 +56,10 @@ class Shown:
 
     def _repr_html_(self) -> str:
         return import_module(self._shown_by).summary(self).html
+
+
+class Shown(Told):
+    """A value that shells and notebooks show in a few lines, and that has a picture."""
 
     def plot(self, **options: Any) -> Any:
         """A matplotlib figure of what matters most; `options` are those of the module's ``as_figure``."""

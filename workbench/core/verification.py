@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .shown import Told
+
 
 @dataclass(frozen=True)
 class Check:
@@ -34,8 +36,8 @@ class Check:
         return bool(self.value <= self.tolerance)
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(frozen=True, repr=False)
+class Verification(Told):
     """A model compared with its own closed chain, in every engine.
 
     Attributes:
@@ -54,6 +56,8 @@ class Verification:
     radius: np.ndarray = field(default_factory=lambda: np.zeros(0))
     facts: Mapping[str, tuple[float, str, str]] = field(default_factory=dict)
     not_checked: tuple[str, ...] = ()
+
+    _shown_by = "workbench.report.verification"
 
     @property
     def passed(self) -> bool:

@@ -11,7 +11,7 @@ from math import prod
 import numpy as np
 
 from workbench.comparison import softness_note
-from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
+from workbench.core import Diagnosis, EffectKey, Finding, Recording, Recordings, Verdict
 from workbench.effects import SETTINGS, OfBody, effect_named, link_of
 from workbench.models import Model, springs
 
@@ -55,8 +55,8 @@ _WEIGHT = "the torque bias on {} may instead come from a crank or rod with anoth
 
 def diagnose(
     model: Model,
-    training: Sequence[Recording],
-    held_out: Sequence[Recording] = (),
+    training: Recording | Sequence[Recording],
+    held_out: Recording | Sequence[Recording] = (),
     *,
     seed: int = 0,
     progress: Progress = lambda text: None,
@@ -65,8 +65,8 @@ def diagnose(
 
     Args:
         model: what we believe.
-        training: recordings to fit.
-        held_out: recordings that judge; without them, folds of the training data do.
+        training: recordings to fit, one or several.
+        held_out: recordings that only test the fit; without them, folds of the training data do.
         seed: of the noise simulations.
         progress: told what is being done.
 
@@ -74,7 +74,7 @@ def diagnose(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    return diagnosis_of(rounds(model, training, held_out, seed, progress))
+    return diagnosis_of(rounds(model, Recordings.of(training), Recordings.of(held_out), seed, progress))
 
 
 def diagnosis_of(found: Rounds) -> Diagnosis:

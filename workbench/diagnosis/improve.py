@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.core import Diagnosis, Improvement, Recording, Step, Verdict
+from workbench.core import Diagnosis, Improvement, Recording, Recordings, Step, Verdict
 from workbench.models import Model
 from workbench.s3n import off_drives
 
@@ -18,8 +18,8 @@ from .verdict import NAMED, refuted
 
 def improve(
     model: Model,
-    training: Sequence[Recording],
-    held_out: Sequence[Recording] = (),
+    training: Recording | Sequence[Recording],
+    held_out: Recording | Sequence[Recording] = (),
     *,
     seed: int = 0,
     limit: int | None = None,
@@ -30,8 +30,8 @@ def improve(
 
     Args:
         model: what we believe.
-        training: recordings to fit.
-        held_out: recordings that judge.
+        training: recordings to fit, one or several.
+        held_out: recordings that only test the fit.
         seed: of the noise simulations.
         progress: told what is being done.
         limit: most effects to add one by one; None: as many as a diagnosis.
@@ -44,7 +44,7 @@ def improve(
     Raises:
         InputError, SimulationError: as `diagnose`.
     """
-    found = rounds(model, training, held_out, seed, progress, limit)
+    found = rounds(model, Recordings.of(training), Recordings.of(held_out), seed, progress, limit)
     first, last = found[0], found[-1]
     diagnosis = diagnosis_of(found)
     named = diagnosis.verdict in NAMED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -143,7 +144,9 @@ def _change(change: Change) -> str:
 
 
 def _short(value: float | np.ndarray) -> str:
-    """Return a number with four digits; of a tensor, its three diagonal entries."""
+    """Return numbers to four digits of the largest; of a tensor, its three diagonal entries."""
     numbers = np.diag(value) if np.ndim(value) == 2 else np.atleast_1d(value)
-    text = " ".join(f"{v:.4g}" for v in numbers)
+    largest = float(np.abs(numbers).max())
+    places = 3 - math.floor(math.log10(largest)) if largest > 0.0 else 0
+    text = " ".join(f"{round(float(v), places) + 0.0:.4g}" for v in numbers)
     return f"({text})" if np.size(numbers) > 1 else text

@@ -16,7 +16,7 @@ from .structural import Structural
 
 
 class ActuatorInertiaCoupling(Structural):
-    """J^T diag(J_i) J and J^T diag(B_i) J in place of diag(J_i) and diag(B_i) on the serial joints."""
+    """Drives' inertia J_i and damping B_i at the joints: J^T diag(J_i) J, not diag(J_i), and so for B_i."""
 
     name = "actuator_inertia_coupling"
     locations = WHOLE

@@ -18,7 +18,9 @@ from .setting import SLIDING_SPEED
 
 
 class AsymmetricFriction(Effect):
-    """torque = -(f+ + d+ w) for w > 0 and (f- - d- w) for w < 0."""
+    """torque = -(torque_positive + damping_positive * w) for w > 0,
+    and torque_negative - damping_negative * w for w < 0.
+    """
 
     name = "asymmetric_friction"
     parameters = Parameters(

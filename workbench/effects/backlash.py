@@ -20,9 +20,10 @@ from .setting import FLANK_RETARDATION
 
 
 class Backlash(Compliance):
-    """torque on the link = k dead(r - q), zero for |r - q| < gap/2; the motor's angle r is logged.
+    """torque on the link = stiffness * (r - q beyond +-gap/2), r the motor's angle (logged), q the link's.
 
-    While a flank touches, it is damped by k t (r' - q'); t is the model's `flank_retardation_s`.
+    It is zero inside the gap. While a flank touches, it is damped by stiffness * t (r' - q'); t is the
+    model's `flank_retardation_s`.
     """
 
     name = "backlash"

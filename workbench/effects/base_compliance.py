@@ -70,7 +70,7 @@ _RINGING = Chart(
 
 
 class BaseCompliance(Compliance):
-    """m x'' + d x' + k x = force of the machine on its base along x; the machine rides on it."""
+    """mass x'' + damping x' + stiffness x = force of the machine on its base along x; both move together."""
 
     name = "base_compliance"
     parameters = Parameters(

@@ -163,7 +163,7 @@ _ORDER = Unknown("order", lower=0.1, linear=False, starts=_orders, reach=lambda 
 
 
 class Cogging(Effect):
-    """torque = + a sin(n q + p)."""
+    """torque = a sin(order * q + phase), a the parameter `torque`."""
 
     name = "cogging"
     parameters = Parameters(

@@ -14,7 +14,9 @@ from .response import Response
 
 
 class CommandDelay(Effect):
-    """torque(t) = command(t - T_d - time), on all axes, before the measured torque."""
+    """torque(t) = command(t - T_d - time) on all axes, T_d the model's own delay;
+    the measured torque shows it.
+    """
 
     name = "command_delay"
     parameters = Parameters(

@@ -21,7 +21,7 @@ _SOFTEST, _STIFFEST = 1e2, 1e7  # N/m: foam, and what no log of positions resolv
 
 
 class ContactCompliance(OnGround):
-    """normal force = k d + c d' while the foot is d deep in the ground, and never pulls."""
+    """normal force = stiffness * d + damping * d', never negative, d the depth of the foot in the ground."""
 
     name = "contact_compliance"
     parameters = Parameters(

@@ -15,9 +15,9 @@ from .response import Response
 
 
 class ControllerGainError(Effect):
-    """torque = s_p kp (q_ref - q) + s_d kd (w_ref - w) on one axis of the controller's coordinates.
+    """torque = kp_scale * kp (q_ref - q) + kd_scale * kd (w_ref - w), in the controller's coordinates.
 
-    Of a cascade, s_p scales the gain of its position loop and s_d that of its velocity loop.
+    Of a cascade, kp_scale scales the gain of the position loop and kd_scale that of the velocity loop.
     """
 
     name = "controller_gain_error"

@@ -14,7 +14,7 @@ from .setting import SLIDING_SPEED
 
 
 class CoulombFriction(Effect):
-    """torque = -f sign(w); sticks where the other torques stay below f."""
+    """torque = -f sign(w), f the parameter `torque`; the axis sticks while all other torques stay below f."""
 
     name = "coulomb_friction"
     parameters = Parameters(

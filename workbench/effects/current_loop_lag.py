@@ -14,7 +14,7 @@ from .response import Response
 
 
 class CurrentLoopLag(Effect):
-    """T du/dt = asked - u, u the measured torque, behind delay and limits."""
+    """time_constant * du/dt = command - u, after delay and limits; u is the measured torque."""
 
     name = "current_loop_lag"
     parameters = Parameters(
@@ -24,7 +24,8 @@ class CurrentLoopLag(Effect):
     words = Words(
         source="closed current loop as a first-order lag; Krause et al., Analysis of Electric "
         "Machinery, Ch. 15",
-        shows="measured torque rounded against the command's edges; FRF magnitude and phase fall together",
+        shows="measured torque follows steps of the command late and rounded; "
+        "FRF magnitude and phase fall together",
         reveal="a multisine up to a quarter of the control rate, or steps of torque",
         mujoco="native: filter of the actuator",
     )

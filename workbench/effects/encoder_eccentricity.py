@@ -20,7 +20,9 @@ _CHART = wave("amplitude", "phase", _MOST / np.sqrt(2.0))
 
 
 class EncoderEccentricity(Effect):
-    """measured position = q + e sin(q + p), measured velocity its rate; the loop reads the same."""
+    """measured position = q + amplitude * sin(q + phase), measured velocity its rate;
+    the controller uses these.
+    """
 
     name = "encoder_eccentricity"
     parameters = Parameters(

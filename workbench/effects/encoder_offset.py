@@ -14,7 +14,7 @@ from .response import Response, read_on
 
 
 class EncoderOffset(Effect):
-    """measured position = true position + a; the loop reads the same."""
+    """measured position = true position + angle; the controller uses the measured one."""
 
     name = "encoder_offset"
     parameters = Parameters(Parameter("angle", "rad", lower=-INF, example=0.08))

@@ -12,7 +12,7 @@ from .response import Response, read_on
 
 
 class EncoderScale(Effect):
-    """measured position = s true position, and so the velocity; the loop reads the same."""
+    """measured position = scale * true position, and the same for the velocity; the controller uses these."""
 
     name = "encoder_scale"
     parameters = Parameters(Parameter("scale", "1", lower=0.2, upper=5.0, neutral=1.0, example=1.06))

@@ -74,7 +74,7 @@ _ALONG = Parameter(
     "kg*m",
     lower=-INF,
     within=partial(_within, 0),
-    about="added to what the model has",
+    about="towards the next joint; added to what the model has",
     example=0.03,
 )
 _ACROSS = Parameter(
@@ -82,7 +82,7 @@ _ACROSS = Parameter(
     "kg*m",
     lower=-INF,
     within=partial(_within, 1),
-    about="a quarter turn about the axis from it",
+    about="perpendicular to that and to the axis",
     example=0.0,
 )
 
@@ -153,11 +153,11 @@ def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
 
 
 class FirstMomentError(Effect):
-    """Mass times lever of an axis' link is more by `along` (towards the next joint) and `across` that.
+    """The first moment (mass times centre) of an axis' link is larger by `along` and `across`.
 
-    Where nothing is said of its mass, the link keeps that and the inertia about its centre: the centre moves
-    by the moment over the mass. A search asks for one of two causes: the centre, or the mass with the moment
-    that it has there, whose inertia stays or grows in proportion.
+    Without `mass` the link keeps its mass and the inertia about its centre, and the centre moves by the
+    moment divided by the mass. A search tries two causes: a wrong centre, or a wrong mass at the stated
+    centre, whose inertia stays or grows in proportion.
     """
 
     name = "first_moment_error"

@@ -22,7 +22,7 @@ FEWEST_SLIPS = 20  # rows from which slipping tells the coefficient
 
 
 class GroundFriction(OnGround):
-    """tangential force <= mu normal force, and as large while the foot slips."""
+    """tangential force <= coefficient * normal force, and equal to it while the foot slips."""
 
     name = "ground_friction"
     parameters = Parameters(Parameter("coefficient", "1", upper=5.0, least=0.01, example=0.35, linear=False))

@@ -28,7 +28,9 @@ from .response import Response
 
 
 class JointCompliance(Compliance):
-    """torque on the link = k (r - q) + d (r' - q'), r the motor's angle, which is logged, q the link's."""
+    """torque on the link = stiffness * (r - q) + damping * (r' - q'), r the motor's angle, which is logged,
+    and q the link's.
+    """
 
     name = "joint_compliance"
     parameters = Parameters(

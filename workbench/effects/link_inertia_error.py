@@ -46,7 +46,7 @@ _PROPORTION = Parameter(
     "proportion",
     "1",
     upper=1.0,
-    about="of this in the inertia about the other axes: 1: all in the same proportion; may be left out: none",
+    about="how much of it the other directions get, 1: the same proportion; left out: nothing",
     optional=True,
 )
 
@@ -81,9 +81,9 @@ def _changed(inertial: Inertial, link: Link, more: float, proportion: float) -> 
 
 
 class LinkInertiaError(Effect):
-    """More inertia of an axis' link about the parallel to the axis through its centre of mass.
+    """An axis' link has more inertia, about the line through its centre of mass parallel to the axis.
 
-    A search asks for one of two causes: this moment alone, or all of the inertia in proportion.
+    A search tries two causes: this moment of inertia alone, or all of the inertia in proportion.
     """
 
     name = "link_inertia_error"

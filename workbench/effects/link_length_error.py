@@ -27,12 +27,12 @@ def _known(values: Values, position_noise: float, torque_noise: float) -> float:
 
 
 class LinkLengthError(Effect):
-    """The far end of a link lies farther out by `length`, and what hangs there with it; no mass changes.
+    """The far end of a link, with all that is attached there, is farther out by `length`; no mass changes.
 
     The link of an axis is the body of its joint; its far end is the next joint, on the last link the payload
     site; a link that carries several others has no such end. In a parallelogram the thigh (hip) takes the
     coupler along, so that opposite sides stay equal and the transmission stays what it is; a longer shank
-    (knee) moves the foot alone, which on a fixed base only a payload feels.
+    (knee) moves the foot alone, which on a fixed base matters only to a payload.
     """
 
     name = "link_length_error"

@@ -17,10 +17,11 @@ from .structure import is_parallelogram
 
 
 class LinkageCoriolis(Structural):
-    """torque = (M12 sin(alpha) w2^2, -M12 sin(alpha) w1^2): missing only where a variant leaves it out.
+    """torque = (M12 sin(alpha) w2^2, -M12 sin(alpha) w1^2), the velocity terms of `linkage_inertia`:
+    missing only in the variant `s3n_full_paper`.
 
-    Inertia that sits in a body brings its velocity terms along, so every plain-MJCF variant has them;
-    only the paper's per-step equation (variant ``s3n_full_paper``) goes without.
+    A body with inertia has its velocity terms already, so every variant in plain MJCF has them; only the
+    paper's equation per step (variant ``s3n_full_paper``) leaves them out.
     """
 
     name = "linkage_coriolis"

@@ -17,7 +17,7 @@ from .weights import add_gravity
 
 
 class LinkageGravity(Structural):
-    """torque_i = -g_i sin(q_i), increments over the serial tree's gravity."""
+    """torque_i = -g_i sin(q_i), added to the gravity of the serial tree."""
 
     name = "linkage_gravity"
     parameters = Parameters(

@@ -17,7 +17,7 @@ from .weights import add_inertia
 
 
 class LinkageInertia(Structural):
-    """Kinetic energy M11 w1^2/2 + M12 cos(alpha) w1 w2 + M22 w2^2/2 over the serial tree's."""
+    """Kinetic energy M11 w1^2/2 + M12 cos(alpha) w1 w2 + M22 w2^2/2, added to the serial tree's."""
 
     name = "linkage_inertia"
     parameters = Parameters(

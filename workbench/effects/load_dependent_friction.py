@@ -18,7 +18,7 @@ from .setting import SLIDING_SPEED
 
 
 class LoadDependentFriction(Effect):
-    """torque = -(f + r |u|) sign(w), u the torque of the axis's motor."""
+    """torque = -(f + ratio * |u|) sign(w), f the parameter `torque`, u the torque of the axis's motor."""
 
     name = "load_dependent_friction"
     parameters = Parameters(

@@ -46,7 +46,7 @@ def _rests_near(motions: Sequence[Motion], place: Place, values: Values) -> bool
 
 
 class ParallelSpring(Effect):
-    """torque = -k (q - q0)."""
+    """torque = -stiffness * (q - rest)."""
 
     name = "parallel_spring"
     parameters = Parameters(
@@ -61,7 +61,7 @@ class ParallelSpring(Effect):
     corrects = AtJoint("stiffness", "stiffness", _own, rest="rest", called="stiffness")
     words = Words(
         source="Hooke 1678; parallel elastic actuation",
-        shows="torque residual linear in position at every speed; FRF magnitude at low frequency",
+        shows="torque residual linear in position at every speed; FRF magnitude is wrong at low frequency",
         reveal="a slow sweep over the widest range of positions",
         mujoco="native: stiffness of the axis's tendon",
     )

@@ -26,7 +26,9 @@ _MOMENTS = (
     Parameter("moment_y", "kg*m", lower=-INF, about=_OFF.format("y"), optional=True),
     Parameter("moment_z", "kg*m", lower=-INF, about=_OFF.format("z"), optional=True),
 )
-_INERTIA = Parameter("inertia", "kg*m^2", about="about the centre, every way; may be left out", optional=True)
+_INERTIA = Parameter(
+    "inertia", "kg*m^2", about="about the centre, the same in every direction; may be left out", optional=True
+)
 _BODY = (*_MOMENTS, _INERTIA)
 #: Which of them a motion shows, by the name that the shape has.
 _FORMS = {
@@ -83,10 +85,10 @@ def _turned(serial: Path, site: str) -> np.ndarray:
 
 
 class PayloadMass(Effect):
-    """A point mass at the payload site: torque = -m J^T (d(J w)/dt - g), J the site's Jacobian.
+    """A point mass at the payload site: torque = -mass * J^T (d(J w)/dt - g), J the site's Jacobian.
 
-    Where moments or an inertia are given too, it is a body whose centre is off the site, by the moments over
-    the mass, and whose inertia about that is the same every way.
+    Where moments or an inertia are given too, it is a body whose centre is off the site by the moments
+    divided by the mass, and whose inertia about its centre is the same in every direction.
     """
 
     name = "payload_mass"

@@ -52,7 +52,7 @@ def _worn(values: Values, position_noise: float, torque_noise: float) -> float:
 
 
 class PreslidingHysteresis(Effect):
-    """torque = -f z, dz/dt = (k/f) w (1 - sign(w) z)."""
+    """torque = -f z, dz/dt = (stiffness / f) w (1 - sign(w) z), f the parameter `torque`."""
 
     name = "presliding_hysteresis"
     parameters = Parameters(

@@ -14,7 +14,7 @@ from .response import Response, single
 
 
 class QuadraticDrag(Effect):
-    """torque = -c w |w|."""
+    """torque = -drag * w |w|."""
 
     name = "quadratic_drag"
     parameters = Parameters(Parameter("drag", "N*m*s^2/rad^2", example=0.03))

@@ -25,7 +25,7 @@ def _most_less(model: Model, place: Placement) -> float:
 
 
 class ReflectedInertia(Effect):
-    """torque = -J a on the drive, J = N^2 J_m added (paper, Eq. 7)."""
+    """torque = -inertia * a at the drive; a rotor J_m behind a gear N has N^2 J_m (paper, Eq. 7)."""
 
     name = "reflected_inertia"
     parameters = Parameters(
@@ -37,7 +37,8 @@ class ReflectedInertia(Effect):
     corrects = AtJoint("armature", "inertia", _own, called="rotor inertia")
     words = Words(
         source="paper, Eqs. 7 and 9",
-        shows="torque residual proportional to the drive's acceleration; FRF magnitude at high frequency",
+        shows="torque residual proportional to the drive's acceleration; FRF magnitude is wrong at high "
+        "frequency",
         reveal="a fast chirp of this axis about one posture, the other axes held",
         mujoco="native: armature of the axis's tendon",
     )

@@ -15,7 +15,9 @@ from .response import Response
 
 
 class SensorDelay(Effect):
-    """measured position and velocity (t) = true ones (t - T), on all axes; the loop reads the same."""
+    """measured position(t) = true position(t - time) on all axes, and the same for the velocity;
+    the controller uses these.
+    """
 
     name = "sensor_delay"
     parameters = Parameters(

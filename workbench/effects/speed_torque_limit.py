@@ -55,9 +55,9 @@ def _shift(values: Values, position_noise: float, torque_noise: float) -> float:
 
 
 class SpeedTorqueLimit(Effect):
-    """|torque| <= s (1 - |w| / w0), none beyond w0, before the measured torque.
+    """|torque| <= stall_torque * (1 - |w| / no_load_speed), zero beyond; the measured torque shows it.
 
-    Braking alike, or |torque| <= s there, as the drives' `full_braking` says.
+    The same while braking, or |torque| <= stall_torque there if the drives have `full_braking`.
     """
 
     name = "speed_torque_limit"

@@ -49,7 +49,7 @@ _EXCESS = Chart(
 
 
 class StribeckFriction(Effect):
-    """torque = -(fc + (fs - fc) exp(-(w / vs)^2)) sign(w), with fs >= fc."""
+    """torque = -(coulomb + (static - coulomb) exp(-(w / speed)^2)) sign(w), with static >= coulomb."""
 
     name = "stribeck_friction"
     parameters = Parameters(

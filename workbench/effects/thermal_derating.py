@@ -24,7 +24,9 @@ def _times(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
 
 
 class ThermalDerating(Effect):
-    """true torque = max(0, 1 - c y) u, T dy/dt = u^2 - y, u the measured torque; cold at the start."""
+    """true torque = max(0, 1 - coefficient * y) u, time_constant * dy/dt = u^2 - y, u the measured torque;
+    y = 0 at the start.
+    """
 
     name = "thermal_derating"
     parameters = Parameters(

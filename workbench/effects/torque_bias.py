@@ -14,14 +14,14 @@ from .response import Response, single
 
 
 class TorqueBias(Effect):
-    """torque = + b, behind the tap of the measured torque."""
+    """A constant torque on the axis, the parameter `torque`, which the measured torque does not contain."""
 
     name = "torque_bias"
     parameters = Parameters(Parameter("torque", "N*m", lower=-INF, example=-0.4))
     stage = SignalStage.MOTOR
     words = Words(
         source="current-sensor offset; Janot et al. 2019 (offset of the EMPS)",
-        shows="torque residual even in speed, the same at every position, speed and time",
+        shows="a constant torque residual, the same at every position, speed and time",
         reveal="standing still at several positions, each approached from both sides",
         mujoco="bias of the actuator",
     )

@@ -12,7 +12,7 @@ from .response import Response, single
 
 
 class TorqueConstantError(Effect):
-    """true torque = gain * measured torque, since the measured one is current times the nominal constant."""
+    """true torque = gain * measured torque; the measured one is the current times the nominal constant."""
 
     name = "torque_constant_error"
     parameters = Parameters(Parameter("gain", "1", lower=0.05, upper=20.0, neutral=1.0, example=0.8))

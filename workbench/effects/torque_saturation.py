@@ -36,7 +36,7 @@ def _ceilings(motions: Sequence[Motion], model: Model, place: Place) -> Sequence
 
 
 class TorqueSaturation(Effect):
-    """torque clipped to [-limit, limit], before the measured torque."""
+    """torque clipped to [-limit, limit]; the measured torque shows it."""
 
     name = "torque_saturation"
     parameters = Parameters(
@@ -46,7 +46,7 @@ class TorqueSaturation(Effect):
             lower=1e-6,
             starts=_ceilings,
             blur=lambda values, position, torque: 0.1 * torque,
-            about="the lower of this and the model's counts",
+            about="the model may have a limit too; the lower one counts",
             example=0.6,
             linear=False,
         )

@@ -17,7 +17,7 @@ _NONE = 1e-9  # of a row: a lag of which a fit has left nothing
 
 
 class VelocityFilterLag(Effect):
-    """T dv/dt = w - v, v the measured velocity; the loop reads the same."""
+    """time_constant * dv/dt = w - v, v the measured velocity, which the controller uses."""
 
     name = "velocity_filter_lag"
     parameters = Parameters(

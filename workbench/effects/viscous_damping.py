@@ -19,7 +19,7 @@ def _own(model: Model, place: Placement) -> float:
 
 
 class ViscousDamping(Effect):
-    """torque = -d w, added to the damping that the model has."""
+    """torque = -damping * w, added to the damping that the model has."""
 
     name = "viscous_damping"
     parameters = Parameters(
@@ -32,7 +32,7 @@ class ViscousDamping(Effect):
     corrects = AtJoint("damping", "damping", _own, called="damping")
     words = Words(
         source="Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994",
-        shows="torque residual odd and linear in speed; FRF magnitude at low frequency",
+        shows="torque residual odd and linear in speed; FRF magnitude is wrong at low frequency",
         reveal="steady runs at several speeds in both directions",
         mujoco="native: damping of the axis's tendon",
     )

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from workbench.core.shown import Shown
+
 from .channel import Channel, place_of
 from .pooling import pooled_covariance
 from .statistics import real_halfwidth
@@ -28,8 +30,8 @@ _BY_LINE = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Frf:
+@dataclass(frozen=True, eq=False, repr=False)
+class Frf(Shown):
     """Frequency response of ny outputs to nu inputs at F frequencies, with its covariance.
 
     ``response[k, i, j]`` is output i over input j at ``frequency[k]``; python-control holds the same number
@@ -83,6 +85,8 @@ class Frf:
     periods: int
     realisations: int
     notes: tuple[str, ...] = ()
+
+    _shown_by = "workbench.verification.notebook"
 
     def __post_init__(self) -> None:
         for name in _BY_LINE:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from workbench.core.shown import Told
+
 from .bootstrap import Interval
 
 
@@ -28,8 +30,8 @@ class Measure:
     seen_in: str = ""
 
 
-@dataclass(frozen=True)
-class Gait:
+@dataclass(frozen=True, repr=False)
+class Gait(Told):
     """What two recordings show of a gait.
 
     Attributes:
@@ -45,3 +47,5 @@ class Gait:
     command: tuple[float, float]
     measures: tuple[Measure, ...]
     lacking: tuple[str, ...]
+
+    _shown_by = "workbench.report.gait"

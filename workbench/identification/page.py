@@ -24,12 +24,17 @@ def readable(value: Estimate) -> Estimate:
 
 def actuator_sheet(found: ActuatorIdentification) -> Sheet:
     """Return a drive's inertia, damping and delay."""
-    values = (("Inertia", found.inertia), ("Damping", found.damping), ("Delay", found.delay))
-    rows = tuple((name, interval(readable(v))) for name, v in values)
+    rows = actuator_rows(found)
     table = SheetTable("Estimates, with 95 % intervals", ("Parameter", ">Estimate"), rows)
     said = ", ".join(f"{name.lower()} {text}" for name, text in rows)
     axis = found.frf.inputs[0].axis
     return _sheet(axis, f"The drive has {said} (95 %)", rows, table, found.fit, (found.frf,))
+
+
+def actuator_rows(found: ActuatorIdentification) -> tuple[tuple[str, str], ...]:
+    """Return each number of a drive by name, with its 95 % interval."""
+    values = (("Inertia", found.inertia), ("Damping", found.damping), ("Delay", found.delay))
+    return tuple((name, interval(readable(v))) for name, v in values)
 
 
 def leg_sheet(found: LegIdentification, built: Model) -> Sheet:

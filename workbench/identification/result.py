@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import Estimate
+from workbench.core.shown import Shown
 from workbench.frf import Frf
 
 from .fit import Fit
 
 
-@dataclass(frozen=True)
-class ActuatorIdentification:
+@dataclass(frozen=True, repr=False)
+class ActuatorIdentification(Shown):
     """A drive on its own (paper, Table I).
 
     Attributes:
@@ -30,9 +31,11 @@ class ActuatorIdentification:
     frf: Frf
     fit: Fit
 
+    _shown_by = "workbench.identification.notebook"
 
-@dataclass(frozen=True)
-class LegIdentification:
+
+@dataclass(frozen=True, repr=False)
+class LegIdentification(Shown):
     """A leg in actuator coordinates: M_p(alpha) = [[M11, M12 cos alpha], [., M22]] (paper, Eq. 14).
 
     Attributes:
@@ -54,6 +57,8 @@ class LegIdentification:
     gravity: tuple[Estimate, Estimate]
     frfs: tuple[Frf, ...]
     fit: Fit
+
+    _shown_by = "workbench.identification.notebook"
 
     @property
     def total(self) -> np.ndarray:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import Recording
+from workbench.core import Recording, Recordings
 from workbench.recordings.noise import noise_levels
 
 from .control import remark_on_control
@@ -21,11 +21,13 @@ from .work import remark_on_work
 FEW = 200  # rows below which nothing is compared
 
 
-def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None = None) -> Inspection:
+def inspect(
+    recordings: Recording | Sequence[Recording], *, transmission: np.ndarray | None = None
+) -> Inspection:
     """Return what recordings say about themselves: swaps, signs, units, gains, clocks, limits, noise.
 
     Args:
-        recordings: what was measured.
+        recordings: what was measured, one or several.
         transmission: J in q_p = J q_s (actuator from joint coordinates), shape (n, n), for recordings
             and controllers that use different coordinates. None: the identity, or where the logged
             control law says otherwise, a belt-driven second joint in each leg.
@@ -33,7 +35,7 @@ def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None 
     Returns:
         For each recording the remarks, the noise of each sensor, and what each axis did.
     """
-    return Inspection(tuple(_inspect_one(recording, transmission) for recording in recordings))
+    return Inspection(tuple(_inspect_one(recording, transmission) for recording in Recordings.of(recordings)))
 
 
 def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> RecordingInspection:

@@ -191,6 +191,13 @@ def in_words(parameters: Mapping[str, Estimate]) -> list[str]:
     return [f"{parameter_name(name)} {interval(value)}" for name, value in parameters.items()]
 
 
+def mend_sentences(result: Diagnosis) -> list[str]:
+    """Return which numbers of which files to correct, and that this stands in place of the effects."""
+    lines = [f"{plain(capital(line))}." for line in result.mend]
+    once = "Correct the file or use the model with the effect, not both: the correction would count twice."
+    return [*lines, once] if lines else []
+
+
 def near_sentence(result: Diagnosis | None) -> str:
     """Return effects that lower the error but are not certain enough to be named; empty if there are none."""
     if result is None or not result.near:

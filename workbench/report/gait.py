@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Group
 
 from workbench.core import FORMAT
+from workbench.core.shown import Summary
 from workbench.gait import Gait, Interval, Measure
 
 from .json_parts import clean, picked
@@ -21,11 +22,21 @@ def gait_table(result: Gait) -> Group:
     for m in result.measures:
         cells = [_cell(m.gap), *([_cell(m.floor)] if result.again else [])]
         shown.add_row(text(_name(m)), *cells)
-    forward, yaw = result.command
-    return Group(
-        text(f"{result.hardware} against {result.simulator}; shares of {forward:.3g} m/s, {yaw:.3g} rad/s."),
-        shown,
+    return Group(text(_title(result)), shown)
+
+
+def summary(result: Gait) -> Summary:
+    """Return a line per measure: what both recordings show, and the gap."""
+    rows = [(_name(m), _cell(m.gap), _cell(m.floor)) for m in result.measures]
+    head = ("measure", "gap (95 %)", "hardware again")
+    return Summary(
+        _title(result), " ".join(f"Not measured: {line}." for line in result.lacking), [(head, rows)]
     )
+
+
+def _title(result: Gait) -> str:
+    forward, yaw = result.command
+    return f"{result.hardware} against {result.simulator}; shares of {forward:.3g} m/s, {yaw:.3g} rad/s."
 
 
 def gait_dict(result: Gait, not_predicted: str | None = None) -> dict[str, Any]:

@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from workbench.core import Comparison, Diagnosis, Improvement, Recording, Recordings
+from workbench.core import (
+    Comparison,
+    Diagnosis,
+    Finding,
+    Improvement,
+    Recording,
+    RecordingError,
+    Recordings,
+    Step,
+)  # fmt: skip
 from workbench.core.palette import LINES
 from workbench.core.picture import Picture
 from workbench.core.shown import Row, Summary
@@ -23,6 +32,8 @@ from .numbers import number, percent, plain, quantity
 from .pack import worst_view
 from .residuals import SIGNALS, min_max, worst_window
 from .style import house_style
+
+_ERRORS = ("axis", "position RMSE (noise)", "torque RMSE (noise)")
 
 
 @singledispatch
@@ -40,19 +51,28 @@ def as_figure(value: Any, **options: Any) -> Figure:
 @summary.register
 def _(value: Comparison) -> Summary:
     rows = [
-        (
-            e.recording.name if k == 0 else "",
-            axis,
-            *(_beside(size[k], noise[k], unit) for size, noise, unit in (
-                (e.position_rmse, e.position_noise, e.recording.units[k]),
-                (e.torque_rmse, e.torque_noise, torque_unit(e.recording.units[k])),
-            )),
-        )
+        (e.recording.name if k == 0 else "", *row)
         for e in value.recordings
-        for k, axis in enumerate(e.recording.axes)
-    ]  # fmt: skip
-    head = ("recording", "axis", "position RMSE (noise)", "torque RMSE (noise)")
-    return _plain(comparison_sentence(value), _error(value.error, value.noise_error), head, rows)
+        for k, row in enumerate(_errors(e))
+    ]
+    told = _error(value.error, value.noise_error)
+    return _plain(comparison_sentence(value), told, ("recording", *_ERRORS), rows)
+
+
+@summary.register
+def _(value: RecordingError) -> Summary:
+    return _plain(value.recording.name, _error(value.error, value.noise_error), _ERRORS, _errors(value))
+
+
+@summary.register
+def _(value: Finding) -> Summary:
+    title = f"{w.capital(w.effect_phrase(value.key))}, {percent(value.probability)} probable"
+    return _named(title, value, value.error_after)
+
+
+@summary.register
+def _(value: Step) -> Summary:
+    return _named(w.capital(w.effect_phrase(value.key)), value, value.error)
 
 
 @summary.register
@@ -149,6 +169,24 @@ def _(value: Recording) -> Figure:
                 place.margins(x=0)
         axes[-1].set_xlabel("time [s]")
     return figure
+
+
+def _named(title: str, value: Finding | Step, error: float) -> Summary:
+    """An effect with its parameters, the error with it, and what speaks for it."""
+    told = "; ".join([*in_words(value.parameters), f"error with it {number(error)}"])
+    if value.indistinguishable_from:
+        told += f"; looks the same: {'; '.join(w.effect_phrase(k) for k in value.indistinguishable_from)}"
+    return _plain(title, told, ("evidence",), [(line,) for line in value.evidence])
+
+
+def _errors(e: RecordingError) -> Iterator[Row]:
+    """Every axis with its errors beside their noise."""
+    for k, (axis, unit) in enumerate(zip(e.recording.axes, e.recording.units, strict=True)):
+        yield (
+            axis,
+            _beside(e.position_rmse[k], e.position_noise[k], unit),
+            _beside(e.torque_rmse[k], e.torque_noise[k], torque_unit(unit)),
+        )
 
 
 def _beside(size: float, noise: float, unit: str) -> str:

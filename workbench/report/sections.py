@@ -8,7 +8,7 @@ from typing import Any
 from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Result, Share, Step
 
 from . import wording as w
-from .answer import diagnosis_sentence, improvement_sentence, near_sentence
+from .answer import diagnosis_sentence, improvement_sentence, mend_sentences, near_sentence
 from .comparison_words import comparison_sentence, inverse_sentence, loop_sentence
 from .json import Truth
 from .key_numbers import key_numbers
@@ -114,7 +114,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     if isinstance(result, Improvement) and result.steps:
         out.append(w.holdout_sentence(result.holdout_error_before, result.holdout_error_after))
     diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
-    out += [plain(f"{w.capital(line)}.") for line in (diagnosis.mend if diagnosis else ())]
+    out += mend_sentences(diagnosis) if diagnosis else ()
     out.append(near_sentence(diagnosis))
     if before is not None and before.where and result.verdict == "unexplained":
         out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")

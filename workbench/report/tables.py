@@ -13,7 +13,7 @@ from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvemen
 from workbench.core.units import torque_unit
 
 from . import wording as w
-from .answer import near_sentence, rest_sentence
+from .answer import mend_sentences, near_sentence, rest_sentence
 from .comparison_words import loop_sentence
 from .json import Truth
 from .ladder import rungs
@@ -102,7 +102,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
     if not good:
         parts += _shares("Location of the unexplained error", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
-    parts += _mend(result)
+    parts += map(_text, mend_sentences(result))
     if result.next_experiment:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
     if result.not_excited:
@@ -155,14 +155,9 @@ def improvement_table(result: Improvement) -> Group:
         *(_text(line) for line in (near_sentence(result.diagnosis), rest_sentence(result)) if line),
         *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
-        *(_mend(result.diagnosis) if result.diagnosis else ()),
+        *(map(_text, mend_sentences(result.diagnosis)) if result.diagnosis else ()),
         *(_text(f"Note: {note}") for note in result.notes),
     )
-
-
-def _mend(result: Diagnosis) -> list[Text]:
-    """Numbers to correct in the files, instead of effects to add."""
-    return [_text(f"{w.capital(line)}.") for line in result.mend]
 
 
 def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:

@@ -6,6 +6,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from workbench.core import Check, Verification
+from workbench.core.shown import Summary
 
 from .layout import table, text, verdict
 from .numbers import number, unit_text
@@ -58,6 +59,20 @@ def verification_table(result: Verification) -> Group:
     ]
     parts += [text(f"Not checked: {line}") for line in result.not_checked]
     return Group(*parts)
+
+
+def summary(result: Verification) -> Summary:
+    """Return the verdict, and each quantity with its difference and what is allowed."""
+    rows = [
+        (
+            "ok" if c.passed else "FAIL",
+            quantity_name(c.name),
+            *(f"{x} {unit_text(c.unit)}".rstrip() for x in (f"{c.value:.1e}", f"{c.tolerance:.0e}")),
+        )
+        for c in result.checks
+    ]
+    told = " ".join(f"Not checked: {line}." for line in result.not_checked)
+    return Summary(sentence(result), told, [(("", "quantity", "difference", "allowed"), rows)])
 
 
 def sentence(result: Verification) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import Controller, InputError, Recording, SimulationError
+from workbench.core import Controller, InputError, Recording, Recordings, SimulationError
 from workbench.recordings import save_recording
 
 from .drive import Drive
@@ -70,7 +70,7 @@ class VirtualLeg:
             install(effect, self._machine)
         moving_leg(self._machine)  # refuses now what it cannot integrate
 
-    def run(self, experiments: Sequence[Experiment] | None = None) -> list[Recording]:
+    def run(self, experiments: Sequence[Experiment] | None = None) -> Recordings:
         """Run the experiments (default: the six of the demo) and return the recordings.
 
         Returns:
@@ -83,7 +83,7 @@ class VirtualLeg:
             SimulationError: the leg ran away.
         """
         chosen = demo_experiments(self.seed) if experiments is None else experiments
-        return [self._record(experiment, run) for run, experiment in enumerate(chosen)]
+        return Recordings(self._record(experiment, run) for run, experiment in enumerate(chosen))
 
     def record_to(
         self, folder: str | Path, experiments: Sequence[Experiment] | None = None, force: bool = False

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.core import Recording, SimulationError
+from workbench.core import Recording, Recordings, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.inspection.torque import command_limits
 from workbench.models import Model
@@ -40,7 +40,7 @@ class Run:
     start: np.ndarray | None = None
 
 
-def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
+def simulate(runs: Sequence[Run], *, strict: bool = True) -> Recordings:
     """Return all simulated runs: same references, controller, sampling, delay, torque, initial state.
 
     Args:
@@ -72,7 +72,7 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     if strict:
         for run, e, recording in zip(runs, experiments, out, strict=True):
             raise_where_unstable(run.model, run.recording, e.controller, recording, partial(_again, run=run))
-    return out
+    return Recordings(out)
 
 
 def _compiled(model: Model, step: float, strict: bool) -> Plant | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import InputError, Recording, SimulationError
+from workbench.core.shown import Shown
 from workbench.effects.structure import is_parallelogram
 from workbench.frf import Frf, estimate_postures
 from workbench.frf.sampled import response, second_order
@@ -17,9 +18,9 @@ from workbench.s3n import variant_dynamics
 _EPS = 1e-4  # rad or m: central differences of gravity err by its square
 
 
-@dataclass(frozen=True, eq=False)
-class FrfComparison:
-    """One posture.
+@dataclass(frozen=True, eq=False, repr=False)
+class FrfComparison(Shown):
+    """A measured response beside those of models, at one posture.
 
     Attributes:
         frf: measured, actuator coordinates.
@@ -33,6 +34,8 @@ class FrfComparison:
     models: dict[str, np.ndarray]
     error: dict[str, np.ndarray]
     noise: np.ndarray
+
+    _shown_by = "workbench.verification.notebook"
 
     def overall(self, name: str) -> float:
         """Root mean square of the relative error over all lines."""
@@ -71,9 +74,13 @@ def compare_frf(model: Model, recordings: list[Recording]) -> list[FrfComparison
 def _compare(model: Model, frf: Frf) -> FrfComparison:
     models = model_responses(model, frf)
     size = np.linalg.norm(frf.response, axis=(1, 2))
-    noise = np.sqrt(np.einsum("fii->f", frf.covariance).real) / size
     error = {name: np.linalg.norm(g - frf.response, axis=(1, 2)) / size for name, g in models.items()}
-    return FrfComparison(frf, models, error, noise)
+    return FrfComparison(frf, models, error, uncertainty_of(frf))
+
+
+def uncertainty_of(frf: Frf) -> np.ndarray:
+    """Return a measured response's own relative uncertainty at every line, all entries together, (F,)."""
+    return np.sqrt(np.einsum("fii->f", frf.covariance).real) / np.linalg.norm(frf.response, axis=(1, 2))
 
 
 def model_responses(model: Model, frf: Frf) -> dict[str, np.ndarray]:

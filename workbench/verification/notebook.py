@@ -1,0 +1,66 @@
+"""Frequency responses as shells and notebooks show them."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from workbench.core.shown import Summary
+from workbench.core.text import counted
+from workbench.frf import Frf
+from workbench.report.numbers import number
+from workbench.report.response import posture_of, words_of
+
+from .page import percent_of
+from .picture import frf_figure
+from .responses import FrfComparison, uncertainty_of
+
+
+@singledispatch
+def summary(value: Any) -> Summary:
+    """Return a response, or one beside those of models, in a few lines."""
+    raise TypeError(f"a {type(value).__name__} is no frequency response")
+
+
+@singledispatch
+def as_figure(value: Any) -> Figure:
+    """Return magnitude and phase of each entry, and the relative errors."""
+    raise TypeError(f"a {type(value).__name__} is no frequency response")
+
+
+@summary.register
+def _(value: Frf) -> Summary:
+    size = np.abs(value.response)
+    rows = [
+        (
+            f"{value.outputs[i].axis} over {value.inputs[j].axis}",
+            f"{number(size[:, i, j].min())} to {number(size[:, i, j].max())}",
+            f"{value.outputs[i].unit} / ({value.inputs[j].unit})",
+        )
+        for i, j in np.ndindex(size.shape[1:])
+    ]
+    span = f"{number(value.frequency[0])} to {number(value.frequency[-1])} Hz"
+    told = f"{counted(value.periods, 'period')}, {counted(value.realisations, 'realisation')}."
+    title = f"Frequency response about {posture_of(value)}: {counted(len(value), 'line')}, {span}"
+    return Summary(title, told, [(("entry", "magnitude", "unit"), rows)])
+
+
+@summary.register
+def _(value: FrfComparison) -> Summary:
+    rows = [(words_of(n), percent_of(value.overall(n)), f"{number(value.worst(n))} Hz") for n in value.models]
+    title = f"Frequency response about {posture_of(value.frf)} beside {counted(len(rows), 'model')}"
+    told = f"The uncertainty of the measurement is {percent_of(value.overall_noise)}."
+    return Summary(title, told, [(("model", "relative error", "largest excess at"), rows)])
+
+
+@as_figure.register
+def _(value: Frf) -> Figure:
+    return frf_figure(FrfComparison(value, {}, {}, uncertainty_of(value)))
+
+
+@as_figure.register
+def _(value: FrfComparison) -> Figure:
+    return frf_figure(value)
