@@ -14,8 +14,7 @@ from workbench.frf import Frf
 from workbench.report.numbers import number
 from workbench.report.response import posture_of, words_of
 
-from .page import percent_of
-from .picture import frf_figure
+from .page import frf_figure, percent_of
 from .responses import FrfComparison, uncertainty_of
 
 
