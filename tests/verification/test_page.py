@@ -41,7 +41,7 @@ def test_a_shell_prints_a_line_per_model_and_per_entry(found: list[FrfComparison
     assert "hip over knee" in response and "rad/s / (N m)" in response and response.count("\n") < 10
     for value in (found[0], found[0].frf):
         assert "array(" not in repr(value) and value._repr_html_().startswith("<div>")
-        assert value.plot().axes[0].get_ylabel() == "magnitude"
+        assert value.plot().axes[0].get_ylabel().startswith("magnitude")
 
 
 def test_the_verdict_follows_the_numbers(found: list[FrfComparison]) -> None:
