@@ -71,14 +71,14 @@ def response_panel(
         error: name of the lowest diagram's axis.
     """
     size = np.abs(measured)
-    first = next(iter(models.values()))
+    first = next(iter(models.values()), measured)
     guide = np.unwrap(np.angle(first))
     sure = half < size  # beyond that a phase means nothing
     beside = np.where(sure, guide + np.angle(measured / first), np.nan)
     turn = np.arcsin(np.where(sure, half / size, np.nan))
     off = {name: np.abs(g - measured) / size for name, g in models.items()}
     floor = np.maximum(std / size, 1e-9)
-    low = 0.3 * min(float(floor.min()), *(float(np.median(e)) for e in off.values()))
+    low = 0.3 * min([float(floor.min()), *(float(np.median(e)) for e in off.values())])
     lines = [
         (n, g, np.degrees(guide + np.angle(g / first)), np.maximum(100 * off[n], 100 * low))
         for n, g in models.items()
@@ -116,8 +116,9 @@ def response_panel(
             ),
             error_row(error, frequency, floor, off, low),
         ),
-        f"{title}: measured response with its 95 % band, and models. Root mean square error: {words}; "
-        f"the measurement's own {100 * float(np.sqrt(np.mean(floor**2))):.2g} %.",
+        f"{title}: measured response with its 95 % band{', and models' if models else ''}. Root mean square "
+        f"error: {words + '; ' if models else ''}the measurement's own "
+        f"{100 * float(np.sqrt(np.mean(floor**2))):.2g} %.",
     )
 
 

@@ -135,8 +135,9 @@ def frf_panels(c: FrfComparison) -> list[Panel]:
     """Return a panel per entry with magnitude, phase and error, and where there are several, all errors."""
     panels = entry_panels(c.frf, c.models)
     if len(panels) > 1:
-        low = 0.3 * min(float(np.min(c.noise)), *(float(np.median(e)) for e in c.error.values()))
+        low = 0.3 * min([float(np.min(c.noise)), *(float(np.median(e)) for e in c.error.values())])
         words = ", ".join(f"{words_of(n)} {percent_of(c.overall(n))}" for n in c.models)
+        words = words or f"the measurement's own {percent_of(c.overall_noise)}"
         whole = Panel(
             "All entries together",
             "frequency [Hz]",
