@@ -97,7 +97,7 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
     if s.links.any():
         basis = s.links[:, :, s.links.any(axis=(0, 1))].reshape(count * axes, -1)
         basis = basis / np.sqrt(np.mean(basis**2, axis=0))
-        free.append(((basis, np.zeros((basis.shape[1],) * 2)), law))
+        free.append(((basis, np.eye(basis.shape[1])), law))
     beside = [apart(x) for x in (s.speed, s.acceleration, time)]
     return against_free_functions(
         s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.effects import effect_named
 
 from ..fitting.normal_equations import normal, total
@@ -43,6 +44,11 @@ class Part:
     basic: bool = False
 
 
+def is_of_drives(key: EffectKey) -> bool:
+    """Return whether an effect is inertia, damping or Coulomb friction of an axis, as each drive has it."""
+    return key.axis is not None and effect_named(key.effect).search.basic
+
+
 def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     """Return the part of the motion, at least half of it, where laws leave little more than noise.
 
@@ -62,7 +68,7 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     bins |= {k: _bins([p[:, k] for p in position]) for k in range(len(laws.noise))}
     at_noise: dict[int, _Good] = {k: {} for k in laws.above_noise}
     explained: dict[int, _Good] = {k: {} for k in laws.above_noise}
-    basic = np.array([effect_named(key.effect).search.basic for key in laws.keys])
+    basic = np.array([is_of_drives(key) for key in laws.keys])
     for k in laws.above_noise:
         for quantity, own in bins.items():
             there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])

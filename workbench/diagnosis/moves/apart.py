@@ -16,7 +16,7 @@ from workbench.models import Model, Placement
 from ..adequacy.free_functions import Adequacy
 from ..adequacy.laws import laws_of
 from ..adequacy.link_errors import link_errors, may_imitate_friction, without_link_errors
-from ..adequacy.part_of_motion import Part, explained_part
+from ..adequacy.part_of_motion import Part, explained_part, is_of_drives
 from ..adequacy.strangers import rest_of
 from ..adequacy.tones import without_tones
 from ..data import Data
@@ -88,7 +88,7 @@ def _ways(found: Certain, data: Data) -> Iterator[Apart]:
         yield Apart(
             masked,
             lambda key: _may_follow(key, part, linearisation.model),
-            lambda key: not part.basic or key in keys or effect_named(key.effect).search.basic,
+            lambda key: not part.basic or key in keys or is_of_drives(key),
         )
     quiet = without_tones(laws, rest_of(found.whole, data)[0], data)
     if quiet is not None:
@@ -105,10 +105,13 @@ def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
     A constant does, a law of the position by which the part is known, and what one link's weight does. A body
     that several axes carry does not.
     """
-    depends, place = kinds.depends_on(effect_named(key.effect)), Placement.of(model, key)
+    effect, place = effect_named(key.effect), Placement.of(model, key)
+    depends = kinds.depends_on(effect)
+    if part.basic and not is_of_drives(key):
+        return True
     if place is None:
         return False
-    if not depends or (part.basic and not effect_named(key.effect).search.basic):
+    if not depends:
         return True
     turned = np.flatnonzero(np.abs(place.row @ np.linalg.inv(model.transmission)) > 1e-12)
     return "position" in depends and bool(part.drives & set(turned.tolist()))

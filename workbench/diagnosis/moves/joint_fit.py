@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey, Recording
+from workbench.effects import effect_named
 from workbench.models import AppliedEffect
 
 from ..adequacy.adequacy import Adequacy, adequacies
@@ -198,11 +199,18 @@ def beside_strangers(
 def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
     """Return an effect with deviations that cover how its size changes beside free functions, and along the
     motion; the blocks that are left out differ in that too.
+
+    What does not grow with the size, as the order of a ripple, does not vary with it.
     """
-    known = sure[applied.key]
+    known, parameters = sure[applied.key], effect_named(applied.key.effect).parameters
     spread = POLICY.rival_deviation * known.spread
-    parameters = {
-        name: replace(e, std=float(max(np.hypot(e.std, spread * e.value), known.variation * abs(e.value))))
-        for name, e in applied.parameters.items()
-    }
-    return AppliedEffect(applied.key, parameters)
+    coefficients, shape = parameters.to_coefficients(applied.values)
+    doubled = parameters.to_values(2.0 * coefficients, shape)
+    size = {name: abs(doubled.get(name, e.value) - e.value) for name, e in applied.parameters.items()}
+    return AppliedEffect(
+        applied.key,
+        {
+            name: replace(e, std=float(max(np.hypot(e.std, spread * e.value), known.variation * size[name])))
+            for name, e in applied.parameters.items()
+        },
+    )
