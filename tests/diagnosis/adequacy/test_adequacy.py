@@ -80,4 +80,4 @@ def test_a_model_s_own_damping_is_no_load(tmp_path: Path) -> None:
     found = told(tmp_path, lambda q, w: -0.15 * w**2, damping=10.0, motions=(SLOW, SLOW))
     (change,) = (f.parameters["damping"] for f in found.findings if str(f.key) == "viscous_damping@yaw")
     assert change.value == pytest.approx(-9.5, abs=0.07)
-    assert change.std < 0.09
+    assert change.std < 0.12
