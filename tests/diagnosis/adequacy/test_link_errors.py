@@ -73,7 +73,7 @@ def test_friction_is_what_it_is_without_them(tmp_path: Path) -> None:
     there, begun = freed_of(start, freed, data, seed=0)
     sizes, left = friction_in(regression_of(begun, there))
     assert sizes == pytest.approx(FRICTION, rel=0.08)
-    assert (left < 0.15 * before).all()
+    assert (left < 0.3 * before).all()  # what a rotor of the first axis does too is left to that
 
 
 def test_the_answer_says_how_much_of_the_rest_they_explain(tmp_path: Path) -> None:
