@@ -44,6 +44,11 @@ class Laws:
         return np.flatnonzero((self.noise > 0.0) & above).tolist()
 
 
+def is_of_drives(key: EffectKey) -> bool:
+    """Return whether an effect is inertia, damping or Coulomb friction of an axis, as each drive has it."""
+    return key.axis is not None and effect_named(key.effect).search.basic
+
+
 def laws_of(found: Fit, regression: Regression, data: Data) -> Laws:
     """Return the laws that were found and all basic ones beside them, because an unknown cause may hide any
     of those.

@@ -28,6 +28,7 @@ from ..screening.needed_torque import needing
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..screening.torque_columns import torque_rows
 from ..screening.torque_regression import Regression
+from .laws import is_of_drives
 
 _RIDGE = 1e-9  # on columns of size one: holds what no motion shows
 _TOLERANCE = 1e-6  # of a column's square: less of it beside others is rounding
@@ -52,11 +53,6 @@ def may_imitate_friction(key: EffectKey) -> bool:
     return "speed" not in kinds.depends_on(effect_named(key.effect))
 
 
-def is_of_links(key: EffectKey) -> bool:
-    """Return whether an effect is itself an error of a link's numbers."""
-    return kinds.is_additive(effect_named(key.effect))
-
-
 def link_errors(regression: Regression, chosen: Sequence[Entry], data: Data) -> LinkErrors | None:
     """Return what all links together explain beside all basic laws of the drives and other effects.
 
@@ -69,8 +65,8 @@ def link_errors(regression: Regression, chosen: Sequence[Entry], data: Data) -> 
         None where they explain less than `POLICY.unknown_most` of what the others leave.
     """
     linearisation = regression.linearisation
-    laws = [e for e in regression.entries if e.key.axis and effect_named(e.key.effect).search.basic]
-    laws += [e for e in chosen if e.key.axis and e not in laws and not is_of_links(e.key)]
+    laws = [e for e in regression.entries if is_of_drives(e.key)]
+    laws += [e for e in chosen if e.key.axis and e not in laws and not _is_of_links(e.key)]
     motions = needing(linearisation)
     first = [c for e in laws for c in linearisation.columns(e.key, e.shape, motions)[0]]
     rows = torque_rows(linearisation, [*first, *columns_of_links(linearisation)], data)
@@ -116,7 +112,7 @@ def imitations_of_links(
     certain is what holds its size there: no error of one link, and nothing that is a sum of these numbers, as
     a rotor of the first axis is. Friction is no such sum.
     """
-    laws = [a for a in applied if not is_of_links(a.key)]
+    laws = [a for a in applied if not _is_of_links(a.key)]
     asked = np.array([may_imitate_friction(a.key) for a in laws], bool)
     if not asked.any():
         return set()
@@ -143,7 +139,11 @@ def _scaled(blocks: Sequence[Normal]) -> tuple[list[Normal], np.ndarray]:
 
 def columns_of_links(linearisation: Linearisation) -> list[SensitivityColumn]:
     """Return what each number of all links adds to the torque along the motion, per unit."""
-    motions, axes = needing(linearisation), range(linearisation.model.size)
+    motions, axes = linearisation.motions, range(linearisation.model.size)
     each = [-np.concatenate([link_regressor(m, k) for k in axes]) for m in motions]
     none = tuple(None for _ in motions)
     return [SensitivityColumn(torque, none, none, none) for torque in zip(*each, strict=True)]
+
+
+def _is_of_links(key: EffectKey) -> bool:
+    return kinds.is_additive(effect_named(key.effect))

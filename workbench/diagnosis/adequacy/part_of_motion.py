@@ -14,12 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.core import EffectKey
-from workbench.effects import effect_named
-
 from ..fitting.normal_equations import normal, total
 from ..policy import POLICY
-from .laws import Laws
+from .laws import Laws, is_of_drives
 
 _BINS = 20  # of each quantity, with as many rows in each
 _STEPS = 20  # of concentration, far more than are ever needed
@@ -44,11 +41,6 @@ class Part:
     basic: bool = False
 
 
-def is_of_drives(key: EffectKey) -> bool:
-    """Return whether an effect is inertia, damping or Coulomb friction of an axis, as each drive has it."""
-    return key.axis is not None and effect_named(key.effect).search.basic
-
-
 def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     """Return the part of the motion, at least half of it, where laws leave little more than noise.
 
@@ -66,20 +58,18 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     time = [np.arange(end - len(p), end) for p, end in zip(position, ends, strict=True)]
     bins: dict[int | None, list[np.ndarray]] = {None: _bins(time)}
     bins |= {k: _bins([p[:, k] for p in position]) for k in range(len(laws.noise))}
-    at_noise: dict[int, _Good] = {k: {} for k in laws.above_noise}
-    explained: dict[int, _Good] = {k: {} for k in laws.above_noise}
-    basic = np.array([is_of_drives(key) for key in laws.keys])
-    for k in laws.above_noise:
-        for quantity, own in bins.items():
-            there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])
-            left, _ = _left(laws.acts[:, k], laws.torque[:, k], there)
-            at_noise[k][quantity] = left <= POLICY.near_noise * laws.noise[k]
-            left, whole = _left(laws.acts[:, k][:, basic], laws.torque[:, k], there)
-            explained[k][quantity] = left <= (1.0 - POLICY.explained) * whole
-    part = _most_of_it(at_noise, bins)
-    if part is None and (part := _most_of_it(explained, bins)):
-        return replace(part, basic=True)
-    return part
+    for basic in (False, True):
+        acts = laws.acts[:, :, [is_of_drives(key) or not basic for key in laws.keys]]
+        axes: dict[int, _Good] = {k: {} for k in laws.above_noise}
+        for k, good in axes.items():
+            for quantity, own in bins.items():
+                there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])
+                left, whole = _left(acts[:, k], laws.torque[:, k], there)
+                enough = (1.0 - POLICY.explained) * whole if basic else POLICY.near_noise * laws.noise[k]
+                good[quantity] = left <= enough
+        if part := _most_of_it(axes, bins):
+            return replace(part, basic=basic)
+    return None
 
 
 def _most_of_it(axes: Mapping[int, _Good], bins: Mapping[int | None, Sequence[np.ndarray]]) -> Part | None:

@@ -14,9 +14,9 @@ from workbench.effects import effect_named, kinds
 from workbench.models import Model, Placement
 
 from ..adequacy.free_functions import Adequacy
-from ..adequacy.laws import laws_of
+from ..adequacy.laws import is_of_drives, laws_of
 from ..adequacy.link_errors import link_errors, may_imitate_friction, without_link_errors
-from ..adequacy.part_of_motion import Part, explained_part, is_of_drives
+from ..adequacy.part_of_motion import Part, explained_part
 from ..adequacy.strangers import rest_of
 from ..adequacy.tones import without_tones
 from ..data import Data
@@ -63,9 +63,10 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
             continue
         known = {k: a for k, a in there.known.items() if not way.may_follow(k)}
         before = {k for k in found.known if not way.may_follow(k)}
-        better = before == set(known) and _are_better(known, found.known)
         alike = bool(known) and before == set(known)
-        if before < set(known) or better or (alike and is_consistent(freed, there.whole.mean_squares)):
+        if before < set(known) or (
+            alike and (is_consistent(freed, there.whole.mean_squares) or _are_better(known, found.known))
+        ):
             whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
             return replace(there, whole=whole, known=known, apart=True, by_links=found.by_links)
     return found
@@ -73,8 +74,8 @@ def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
 
 def _are_better(known: Mapping[EffectKey, Adequacy], before: Mapping[EffectKey, Adequacy]) -> bool:
     """Return whether free functions explain less than half as much beside some effects as they did before."""
-    least = [min((own[key].share for key in known), default=1.0) for own in (known, before)]
-    return 1.0 - least[0] < 0.5 * (1.0 - least[1])
+    least, least_before = (min(own[key].share for key in known) for own in (known, before))
+    return 1.0 - least < 0.5 * (1.0 - least_before)
 
 
 def _ways(found: Certain, data: Data) -> Iterator[Apart]:
@@ -105,8 +106,7 @@ def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
     A constant does, a law of the position by which the part is known, and what one link's weight does. A body
     that several axes carry does not.
     """
-    effect, place = effect_named(key.effect), Placement.of(model, key)
-    depends = kinds.depends_on(effect)
+    depends, place = kinds.depends_on(effect_named(key.effect)), Placement.of(model, key)
     if part.basic and not is_of_drives(key):
         return True
     if place is None:
