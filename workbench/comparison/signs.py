@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import Recording, SimulationError
 from workbench.models import Model
 
-from .weighed import is_weighable, torque_left
+from .weighed import is_weighable, log_of, torque_left
 
 MOTION = ("position", "velocity", "position_reference", "velocity_reference", "link_position")
 TORQUE = ("torque_command", "torque_measured", "torque_feedforward", "current", "voltage")
@@ -90,9 +90,7 @@ def turned_axes(model: Model, recordings: Sequence[Recording]) -> Turned | None:
         left = {turn: torque_left(model, [turn.of(r) for r in some], some) for turn in turns}
     except SimulationError:
         return None
-    good = {
-        turn: float(np.log(np.maximum(x, 1e-12)).sum()) for turn, x in left.items() if _explains(x, before)
-    }
+    good = {turn: log_of(x) for turn, x in left.items() if _explains(x, before)}
     if not good:
         return None
     best = min(good.values()) + model.size * np.log(_ALIKE)

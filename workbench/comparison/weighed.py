@@ -77,7 +77,12 @@ def best_change(
         if left[axes(change)].max() < _LEFT * before[axes(change)].max()
         and (left <= np.maximum(before, _BAD)).all()
     ]
-    return min(good, key=lambda c: np.log(np.maximum(c.after, 1e-12)).sum(), default=None)
+    return min(good, key=lambda c: log_of(c.after), default=None)
+
+
+def log_of(left: np.ndarray) -> float:
+    """Return the logarithm of the product of shares (n,), by which changes are compared: axes count alike."""
+    return float(np.log(np.maximum(left, 1e-12)).sum())
 
 
 def left_before_and_after(before: float, after: float, as_it_stands: str) -> str:

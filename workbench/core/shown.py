@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from importlib import import_module
 from typing import Any
 
@@ -64,6 +65,20 @@ class Shown(Told):
     def plot(self, **options: Any) -> Any:
         """A matplotlib figure of what matters most; `options` are those of the module's ``as_figure``."""
         return import_module(self._shown_by).as_figure(self, **options)
+
+
+def by_kind(what: str) -> Any:
+    """Return a function with which each kind of value registers how it is shown; it refuses all others.
+
+    Args:
+        what: every kind that is registered, in words.
+    """
+
+    @singledispatch
+    def shown(value: Any) -> Any:
+        raise TypeError(f"a {type(value).__name__} is no {what}")
+
+    return shown
 
 
 def _table(head: Row, rows: Sequence[Row]) -> str:

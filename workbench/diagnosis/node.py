@@ -58,7 +58,8 @@ class Node:
         jointly: whether its effects were solved for together along the measured motion.
         adequacy: how each effect of a joint solution stands that is certain although more is missing.
         near: effects of a joint solution that help and are not certain.
-        of_links: whether several numbers of links are wrong together, and explain what it leaves.
+        by_links: the share of what it leaves that several wrong numbers of links explain together; 0 where
+            that is not shown.
         enough: whether nothing has to be searched one by one beside it.
     """
 
@@ -73,7 +74,7 @@ class Node:
     jointly: bool = False
     adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
     near: tuple[AppliedEffect, ...] = ()
-    of_links: bool = False
+    by_links: float = 0.0
     enough: bool = False
 
     def begun(self, **changes: Any) -> Node:

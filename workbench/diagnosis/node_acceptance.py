@@ -5,7 +5,7 @@ from __future__ import annotations
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .adequacy.adequacy import adequacies
 from .adequacy.imitations import imitate_another_law
-from .adequacy.link_errors import imitations_of_links
+from .adequacy.link_errors import several_wrong
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
@@ -75,7 +75,7 @@ def are_the_laws(node: Node, problem: Problem) -> bool:
     if node.jointly or along is None:
         return True
     data, _, regression = along
-    if imitations_of_links(added, regression.linearisation, data):
+    if several_wrong(added, regression, regression.without_shape(node.keys), data)[0]:
         return False
     if not node.keys <= {e.key for e in regression.entries}:
         return True

@@ -109,8 +109,8 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
         None if only_jointly else problem.linear,
         trace,
         done or only_jointly or are_the_laws(node, problem),
-        0.0 if done or only_jointly else _by_links(node, problem),
-        node.of_links,
+        node.by_links or (0.0 if done or only_jointly else _by_links(node, problem)),
+        node.by_links > 0.0,
     )
 
 
@@ -119,8 +119,7 @@ def _by_links(node: Node, problem: Problem) -> float:
     if problem.inverse_dynamics is None:
         return 0.0
     data, _, regression = problem.inverse_dynamics
-    chosen = [e for e in regression.entries if e.key in node.keys and not e.shape]
-    errors = link_errors(regression, chosen, data)
+    errors = link_errors(regression, regression.without_shape(node.keys), data)
     return errors.share if errors else 0.0
 
 

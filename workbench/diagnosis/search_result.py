@@ -97,7 +97,7 @@ class SearchResult:
     `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
     `are_the_laws`: whether the effects are not merely close to the laws of what is missing. `by_links`: the
     share of what they leave that errors of the masses of all links together explain; 0 where it is no most.
-    `of_links`: whether this is why nothing more is certain.
+    `of_links`: whether several of these are wrong for certain, so that no other effect is searched for.
     """
 
     model: Model

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-from typing import Any
-
 from matplotlib.figure import Figure
 
-from workbench.core.shown import Summary
+from workbench.core.shown import Summary, by_kind
 from workbench.report.numbers import interval
 
 from .page import actuator_rows, readable
@@ -17,16 +14,8 @@ from .result import ActuatorIdentification, LegIdentification
 _HEAD = ("parameter", "estimate (95 %)")
 
 
-@singledispatch
-def summary(value: Any) -> Summary:
-    """Return the numbers with their intervals, and whether the model explains the response."""
-    raise TypeError(f"a {type(value).__name__} is no identification")
-
-
-@singledispatch
-def as_figure(value: Any) -> Figure:
-    """Return the measured response and the fit."""
-    raise TypeError(f"a {type(value).__name__} is no identification")
+summary = by_kind("identification")  # in a few lines
+as_figure = by_kind("identification")
 
 
 @summary.register

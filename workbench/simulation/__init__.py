@@ -25,7 +25,6 @@ __all__ = [
     "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits",
     "law_torque", "limits_of", "linearise", "mass_matrix", "motion_of", "on_all_cores", "predictor",
     "prepare", "propagate", "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque",
-    "run_posture",
-    "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes", "smooth_track", "true_motion",
-    "use_cores", "whole_period", "with_loop_of",
+    "run_posture", "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes", "smooth_track",
+    "true_motion", "use_cores", "whole_period", "with_loop_of",
 ]  # fmt: skip

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from workbench.core.shown import Summary
+from workbench.core.shown import Summary, by_kind
 from workbench.core.text import counted
 from workbench.frf import Frf
 from workbench.report.numbers import number
@@ -17,17 +14,8 @@ from workbench.report.response import posture_of, words_of
 from .page import frf_figure, percent_of
 from .responses import FrfComparison, uncertainty_of
 
-
-@singledispatch
-def summary(value: Any) -> Summary:
-    """Return a response, or one beside those of models, in a few lines."""
-    raise TypeError(f"a {type(value).__name__} is no frequency response")
-
-
-@singledispatch
-def as_figure(value: Any) -> Figure:
-    """Return magnitude and phase of each entry, and the relative errors."""
-    raise TypeError(f"a {type(value).__name__} is no frequency response")
+summary = by_kind("frequency response")  # in a few lines
+as_figure = by_kind("frequency response")
 
 
 @summary.register

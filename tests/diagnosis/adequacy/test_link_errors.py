@@ -110,7 +110,7 @@ def test_several_wrong_numbers_are_no_other_effect(tmp_path: Path, friction: Res
     named = {EffectKey("coulomb_friction", axis) for axis in AXES} if friction else set()
     assert set(chosen.known) == named
     node = solve_jointly(problem)
-    assert node is not None and node.of_links and {s.added for s in node.steps} == named
+    assert node is not None and node.by_links > 0.99 and {s.added for s in node.steps} == named
 
 
 @pytest.mark.parametrize("number", [{"bend_armature": 0.03}, {"fore_mass": 1.9}])

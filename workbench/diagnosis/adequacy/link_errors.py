@@ -103,10 +103,25 @@ def without_link_errors(
     return tuple(out)
 
 
-def imitations_of_links(
-    applied: Sequence[AppliedEffect], linearisation: Linearisation, data: Data
-) -> set[EffectKey]:
-    """Return the effects that are not certain because several numbers of links are wrong together.
+def several_wrong(
+    applied: Sequence[AppliedEffect], regression: Regression, chosen: Sequence[Entry], data: Data
+) -> tuple[LinkErrors | None, set[EffectKey]]:
+    """Return errors of all links if several of their numbers are wrong together, and what is not certain
+    for it; None where an effect is gone beside them, but they do not explain most of what is left.
+
+    Args:
+        applied: effects with their values.
+        regression: of all effects along the measured motion.
+        chosen: the same effects in it, as far as they are torques.
+        data: of that motion.
+    """
+    imitations = _imitations(applied, regression.linearisation, data)
+    errors = link_errors(regression, chosen, data) if imitations else None
+    return errors, imitations if errors else set()
+
+
+def _imitations(applied: Sequence[AppliedEffect], linearisation: Linearisation, data: Data) -> set[EffectKey]:
+    """Return the effects that are not certain if several numbers of links are wrong together.
 
     With all numbers of all links free beside them, what only came close to these is gone. If anything is,
     certain is what holds its size there: no error of one link, and nothing that is a sum of these numbers, as

@@ -13,7 +13,7 @@ from workbench.models import AppliedEffect
 
 from ..adequacy.adequacy import Adequacy, adequacies
 from ..adequacy.imitations import imitations
-from ..adequacy.link_errors import imitations_of_links, link_errors
+from ..adequacy.link_errors import several_wrong
 from ..adequacy.strangers import without_strangers
 from ..data import Data, gather_along
 from ..fitting.fit import fit
@@ -67,14 +67,12 @@ def certain_of(
     whole = fit_of_selection(regression, chosen, start, data)
     if whole is None:
         return None
-    of_links = imitations_of_links(whole.hypothesis.free, regression.linearisation, data)
-    errors = link_errors(regression, chosen.chosen, data) if of_links else None
+    errors, imitating = several_wrong(whole.hypothesis.free, regression, chosen.chosen, data)
     if is_consistent(data, whole.mean_squares) and not (errors or whatever_is_left):
         return Certain(regression, chosen, whole, {})
     others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
     found = adequacies(whole, regression, data)
-    others |= of_links if errors else set()
-    known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
+    known = {k: a for k, a in found.items() if a.is_adequate and k not in others | imitating}
     return Certain(regression, chosen, whole, known, by_links=errors.share if errors else 0.0)
 
 

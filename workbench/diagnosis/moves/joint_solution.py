@@ -41,9 +41,9 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
     whole = len(node.steps) + len(node.near) > problem.limit or (
         _corrections_suffice(node) and not one_effect_may_suffice(problem)
     )
-    several = not (whole or node.of_links) and _has_several_certain(node)
+    several = not (whole or node.by_links) and _has_several_certain(node)
     share = explained(problem.data, problem.start, node.current, node.data)
-    enough = whole or node.of_links or (several and share > POLICY.certain_share)
+    enough = whole or node.by_links > 0.0 or (several and share > POLICY.certain_share)
     yield replace(node, enough=enough, growth=Growth() if several else None)
 
 
@@ -91,10 +91,10 @@ def _solved(problem: Problem) -> Node | None:
     path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
     whole = replace(by_torque, free=(*by_torque.free, *path))
     # where nearly all is errors of the links, no other effect has to be searched for
-    links = found.by_links >= POLICY.explained
+    links = found.by_links if found.by_links >= POLICY.explained else 0.0
     if not whole.free:
         near = found.whole.hypothesis.free
-        return Node(problem.start, problem.data, jointly=True, near=near, of_links=True) if links else None
+        return Node(problem.start, problem.data, jointly=True, near=near, by_links=links) if links else None
     known = {**(found.known if by_torque.free else {}), **{a.key: ON_PATH for a in path}}
     sure_in_loop = confirmed(whole, problem, certain=whole.keys <= known.keys())
     named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
@@ -102,7 +102,7 @@ def _solved(problem: Problem) -> Node | None:
     node = _in_the_loop(_steps(found.regression, entries, named, start, data), problem)
     near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure_in_loop.keys)
     adequacy = {key: stands for key, stands in known.items() if key in sure_in_loop.keys}
-    return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near, of_links=links)
+    return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near, by_links=links)
 
 
 def _by_torque(regression: Regression, start: Fit, data: Data, seed: int) -> tuple[Certain, Hypothesis]:

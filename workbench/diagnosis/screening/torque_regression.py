@@ -7,7 +7,7 @@ no simulation is needed to screen them, however many are missing together.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -105,6 +105,10 @@ class Regression:
         """An effect, its special cases, and the effects of which it is a special case, in the same place."""
         form = set(entry.shape)
         return [entry, *(e for e in self.entries if e.key == entry.key and set(e.shape) != form)]
+
+    def without_shape(self, keys: Container[EffectKey]) -> Chosen:
+        """Return the effects of some keys that have nothing but a size."""
+        return tuple(e for e in self.entries if e.key in keys and not e.shape)
 
     def copies(self, kin: Sequence[Entry]) -> list[Entry]:
         """Return further effects of a kind in one place, with shapes that can be distinguished from those
