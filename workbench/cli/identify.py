@@ -1,4 +1,4 @@
-"""``workbench identify actuator`` and ``workbench identify leg``."""
+"""``workbench identify``: a drive, a parallel leg, or the links of any robot."""
 
 from __future__ import annotations
 
@@ -12,14 +12,25 @@ from typer import Option
 from workbench.core import InputError
 
 from . import complete, options
-from .common import check_model_output, check_outputs, echo, files_of, read_recordings, write_result
+from .common import (
+    check_model_output,
+    check_outputs,
+    echo,
+    files_of,
+    keep_inputs,
+    open_pair,
+    read_recordings,
+    write_result,
+)
 from .deliver import deliver_sheet
+from .into import check_into
 from .listing import Listing
+from .progress import progress
 
 identify = typer.Typer(
     name="identify",
     cls=Listing,
-    help="Actuator and leg parameters from frequency responses, with intervals.",
+    help="A drive, a parallel leg, or all links of a robot, from recordings, with intervals.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -139,3 +150,67 @@ def leg(
         report.print_table(leg_table(found, built))
         if output:
             echo(f"Wrote {output}: {model} as S3N-Full.")
+
+
+@identify.command()
+def links(
+    model: options.Model,
+    recordings: options.Recordings,
+    holdout: options.Holdout = None,
+    output: Annotated[
+        str,
+        options.written(
+            "--output", "-o", metavar="NEW", help="A copy of the model's .xml or .urdf with them."
+        ),
+    ] = "",
+    json: options.Json = None,
+    html: options.Html = None,
+    figure: Annotated[
+        str | None,
+        options.written(metavar="FILE", help="Picture of the torque before and after (.png, .svg)."),
+    ] = None,
+    whole: options.Whole = False,
+    seed: options.Seed = 0,
+    force: options.Force = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Masses, centres of mass and inertias of all links together, where several of them are wrong.
+
+    Example: workbench identify links arm.xml slow.toml fast.toml --holdout check.toml -o arm_fixed.xml
+    """
+    from workbench import report
+    from workbench.core.files import write_whole
+    from workbench.effects import inertials_into_file, load_model
+    from workbench.identification import identify_links, links_figure, links_sheet
+
+    from .identify_output import links_dict, links_table
+
+    loaded = load_model(model)
+    if output:
+        check_into(loaded, str(loaded.serial), output, force=force)
+    check_outputs(json, html, figure, force=force)
+    data = open_pair(recordings, holdout, whole=whole)
+    files = files_of(loaded, [*data.training, *data.held_out])
+    keep_inputs([output, json, html, figure], files)
+    with progress(quiet) as tell:
+        found = identify_links(loaded, data.training, data.held_out, seed=seed, progress=tell)
+    if found.share <= 0.0:
+        output = ""
+    if output:
+        new = {link.joint: link.after for link in found.links}
+        write_whole(output, inertials_into_file(loaded, loaded.serial, new).content, force=force)
+    if json:
+        content = links_dict(found, output or None)
+        write_result(content, json, files=files, seeds={"noise": seed}, force=force)
+    if html:
+        deliver_sheet(links_sheet(found), html, files=files, seeds={"noise": seed}, force=force)
+    if figure:
+        report.save_figure(links_figure(found), Path(figure), force=force)
+    if not quiet and json != "-":
+        report.print_table(links_table(found))
+        if output:
+            logs = " ".join(recordings)
+            echo(f"Wrote {output}: {loaded.serial.name} with these numbers. Next, find what else is missing:")
+            echo(f"  workbench diagnose {output} {logs}")
+    if found.share <= 0.0:
+        raise typer.Exit(1)

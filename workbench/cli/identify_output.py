@@ -8,8 +8,17 @@ from rich.console import Group
 from rich.text import Text
 
 from workbench.core import FORMAT
-from workbench.identification import ActuatorIdentification, Fit, LegIdentification, readable
-from workbench.models import Model
+from workbench.identification import (
+    ActuatorIdentification,
+    Fit,
+    LegIdentification,
+    LinksIdentification,
+    link_rows,
+    links_sentences,
+    readable,
+    torque_rows,
+)
+from workbench.models import Inertial, Model
 from workbench.report.layout import table, text, verdict
 from workbench.report.numbers import interval
 
@@ -68,6 +77,46 @@ def leg_table(found: LegIdentification, built: Model) -> Group:
     ):
         rows.add_row(name, interval(readable(value)), "", "")
     return Group(rows, *_judged(found.fit))
+
+
+def links_dict(found: LinksIdentification, file: str | None) -> dict[str, Any]:
+    """The JSON of ``identify links``; `file`: what was written."""
+    return {
+        "format": FORMAT,
+        "model": found.model,
+        "file": file,
+        "share": found.share,
+        "identifiable": found.identifiable,
+        "held_out": found.held_out,
+        "springs": found.springs,
+        "torques": [vars(t) for t in found.torques],
+        "links": [
+            {
+                **{name: getattr(link, name) for name in ("axis", "joint", "body")},
+                "before": _inertial(link.before),
+                "after": _inertial(link.after),
+                "numbers": {name: vars(n) for name, n in link.numbers.items()},
+            }
+            for link in found.links
+        ],
+    }
+
+
+def _inertial(value: Inertial) -> dict[str, Any]:
+    return {"mass": value.mass, "centre": value.centre.tolist(), "inertia": value.tensor.tolist()}
+
+
+def links_table(found: LinksIdentification) -> Group:
+    """The torque before and after, and the links."""
+    (head, left), (names, links) = torque_rows(found), link_rows(found)
+    parts = []
+    for columns, rows in ((head, left), (names, links)):
+        made = table(columns[0], *((name, "right") for name in columns[1:]))
+        for row in rows:
+            made.add_row(*row)
+        parts.append(made)
+    first, *rest = links_sentences(found)
+    return Group(verdict(first, found.share > 0.0), *parts, *map(text, rest))
 
 
 def _judged(fit: Fit) -> list[Text]:

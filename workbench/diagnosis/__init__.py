@@ -2,7 +2,19 @@
 
 from .checks.doubts import doubts
 from .diagnose import diagnose
+from .fitting.normal_equations import Normal, jackknife, total
 from .improve import improve as improve
+from .link_equations import LinkEquations, link_equations
 from .one_effect import fit_effect
 
-__all__ = ["diagnose", "doubts", "fit_effect", "improve"]
+__all__ = [
+    "LinkEquations",
+    "Normal",
+    "diagnose",
+    "doubts",
+    "fit_effect",
+    "improve",
+    "jackknife",
+    "link_equations",
+    "total",
+]

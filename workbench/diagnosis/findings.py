@@ -238,5 +238,5 @@ def by_links_line(found: SearchResult) -> tuple[str, ...]:
     return (
         "other masses, centres of mass and inertias of all links together explain "
         f"{100.0 * found.by_links:.0f} % of what is left in the torque on data that were not fitted: these "
-        "numbers of the model may be guesses; take them from the maker or from CAD",
+        "numbers of the model may be guesses; 'workbench identify links' fits all of them",
     )

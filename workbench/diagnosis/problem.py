@@ -82,16 +82,11 @@ class Problem:
         return None if there is None else (*there, regression_of(there[1], there[0]))
 
     def _followed(self) -> tuple[Data, Fit] | None:
-        model, replay = self.start.hypothesis.model, self.data.replay
-        known = replay.machine_alone and replay.driven
-        driven = with_torque_by_law(model, self.data.recordings) if known else None
-        if driven is None:
+        replay = self.data.replay
+        if not (replay.machine_alone and replay.driven):
             return None
-        try:
-            fresh, runs = gather_along(model, driven, self.data.training, self.seed)
-        except SimulationError:
-            return None
-        return fresh, starting_fit(model, fresh, runs.clean)
+        data = self.data
+        return along_measured_motion(self.start.hypothesis.model, data.recordings, data.training, self.seed)
 
     @property
     def has_many_axes(self) -> bool:
@@ -121,6 +116,23 @@ class Problem:
         self.progress("screening effects")
         known = None if self.linear is None else self.linear.equations
         return candidates(self.linearisation, self.start, self.data, self.seed, known)
+
+
+def along_measured_motion(
+    model: Model, recordings: Sequence[Recording], training: int, seed: int
+) -> tuple[Data, Fit] | None:
+    """Return recordings along their measured motion, and the unchanged model there.
+
+    None where nothing drives it: neither a measured torque nor the law of a loop; or where it cannot run.
+    """
+    driven = with_torque_by_law(model, recordings)
+    if driven is None:
+        return None
+    try:
+        data, runs = gather_along(model, driven, training, seed)
+    except SimulationError:
+        return None
+    return data, starting_fit(model, data, runs.clean)
 
 
 def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:

@@ -14,11 +14,11 @@ from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
-from .into_file import Change, InFile, into_file, open_text
+from .into_file import Change, InFile, inertials_into_file, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .link_regressor import link_regressor
-from .links import link_of, link_with
+from .links import Link, link_of, link_with
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
 from .parameter import Parameter, Parameters, Values
 from .passage import Passage
@@ -29,7 +29,7 @@ from .settled import with_settled
 from .springs import Springs
 from .stiffness import tendon_row
 from .structural import Structural
-from .structure import crank_of
+from .structure import crank_of, is_parallelogram
 
 __all__ = [
     "BASE_JOINT",
@@ -49,6 +49,7 @@ __all__ = [
     "InFile",
     "Law",
     "Line",
+    "Link",
     "LinkMotion",
     "Motion",
     "OfBody",
@@ -78,7 +79,9 @@ __all__ = [
     "giving_way",
     "heat",
     "held",
+    "inertials_into_file",
     "into_file",
+    "is_parallelogram",
     "kinds",
     "law",
     "link_inertia",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import InputError, WorkbenchError
-from workbench.models import Model, check_mjcf, is_urdf
+from workbench.models import Inertial, Model, check_mjcf, is_urdf
 
 from .build import compile_plant
 from .stiffness import tendon_row
@@ -30,21 +31,43 @@ def check_same(model: Model, file: Path, content: bytes) -> None:
     Raises:
         InputError: they differ, or MuJoCo cannot use the new one; says in what.
     """
-    there = compile_plant(model).mujoco
+    there, here = compile_plant(model).mujoco, _read(model, file, content)
+    for what, one, other in zip(_WHAT, _numbers(there), _numbers(here), strict=True):
+        _check(what, one, other, file)
+
+
+def check_inertials(model: Model, file: Path, content: bytes, inertials: Mapping[str, Inertial]) -> None:
+    """Check that MuJoCo takes these inertials of bodies, by joint, from this content in place of a file.
+
+    Raises:
+        InputError: it takes others, or cannot use them; says which.
+    """
+    here = _read(model, file, content)
+    for joint, wanted in inertials.items():
+        found = Inertial.of(here, int(here.joint(joint).bodyid[0]))
+        for what in ("mass", "centre", "tensor"):
+            name = f"{what.replace('tensor', 'inertia')} of the body of {joint}"
+            _check(name, np.asarray(getattr(wanted, what)), np.asarray(getattr(found, what)), file)
+
+
+def _read(model: Model, file: Path, content: bytes) -> mujoco.MjModel:
+    """Return what MuJoCo makes of the model with this content in place of a file, without effects."""
     with tempfile.TemporaryDirectory() as folder:
         serial = _copy(model.serial, Path(folder), file, content)
         try:
-            here = compile_plant(replace(model, serial=serial, effects=())).mujoco
+            return compile_plant(replace(model, serial=serial, effects=())).mujoco
         except WorkbenchError as error:
             said = str(error).replace(folder, str(model.serial.parent))
             raise InputError(f"with these numbers it is not a possible machine: {said}", file=file) from error
-    for what, one, other in zip(_WHAT, _numbers(there), _numbers(here), strict=True):
-        if not np.max(np.abs(one - other), initial=0.0) <= _SAME * np.max(np.abs(one), initial=0.0):
-            raise InputError(
-                f"with these numbers it is not the model: the {what} differs", file=file,
-                remedy="a setting of the file overrides them (inertiafromgeom, settotalmass, a flag): take "
-                    "it out, or write the model as .toml",
-            )  # fmt: skip
+
+
+def _check(what: str, one: np.ndarray, other: np.ndarray, file: Path) -> None:
+    if not np.max(np.abs(one - other), initial=0.0) <= _SAME * np.max(np.abs(one), initial=0.0):
+        raise InputError(
+            f"with these numbers it is not the model: the {what} differs", file=file,
+            remedy="a setting of the file overrides them (inertiafromgeom, settotalmass, a flag): take "
+                "it out, or write the model as .toml",
+        )  # fmt: skip
 
 
 _WHAT = "mass matrix", "torque of gravity and motion", "torque of springs and dampers", "dry friction"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,7 +29,7 @@ from workbench.models import (
 
 from .build import compile_plant
 from .catalogue import effect_named
-from .file_check import check_same
+from .file_check import check_inertials, check_same
 
 _ROUNDING = 1e-9  # of what the file has: how far a total may fall short of nothing
 
@@ -85,15 +85,34 @@ def into_file(model: Model, file: Path) -> InFile:
         else:
             written.append((applied, number))
     for _, number in written:
-        if not target.has(number.joint, _kind(number)):
-            problem = f"{_kind(number)} '{number.joint}' is not in it"
-            raise InputError(problem, file=file, remedy=_where(model, number))
+        _check_there(model, target, number, file)
     held = replace(model, effects=tuple(applied for applied, _ in written))
     changes = _joints(model, target, [n for _, n in written if isinstance(n, JointNumber)], file)
     changes += _bodies(held, target, [n for _, n in written if isinstance(n, BodyNumbers)])
     out = InFile(text.result(), tuple(changes), held.effects, tuple(left))
     if written:
         check_same(held, file, out.content)
+    return out
+
+
+def inertials_into_file(model: Model, file: Path, inertials: Mapping[str, Inertial]) -> InFile:
+    """Write the inertials of links into the model's MJCF or URDF; nothing is written to the disk.
+
+    Args:
+        model: whose file it is.
+        file: the model's `serial`, or one that it includes.
+        inertials: of the bodies that joints carry, by joint.
+
+    Raises:
+        InputError: `file` is no part of the model, lacks a joint, or MuJoCo takes other numbers from it.
+    """
+    text = open_text(model, file)
+    target = UrdfText(text) if is_urdf(file) else MjcfText(text)
+    for joint in inertials:
+        _check_there(model, target, BodyNumbers(joint), file)
+    changes = _set_bodies(model, target, inertials)
+    out = InFile(text.result(), tuple(changes), (), model.effects)
+    check_inertials(model, file, out.content, inertials)
     return out
 
 
@@ -111,6 +130,14 @@ def open_text(model: Model, file: Path) -> XmlText:
             remedy=f"it is based on {model.serial}",
         )
     return XmlText(file.read_bytes(), file)
+
+
+def _check_there(
+    model: Model, target: MjcfText | UrdfText, number: JointNumber | BodyNumbers, file: Path
+) -> None:
+    if not target.has(number.joint, _kind(number)):
+        problem = f"{_kind(number)} '{number.joint}' is not in it"
+        raise InputError(problem, file=file, remedy=_where(model, number))
 
 
 def _kind(number: JointNumber | BodyNumbers) -> str:
@@ -174,11 +201,17 @@ def _bodies(held: Model, target: MjcfText | UrdfText, numbers: Sequence[BodyNumb
     """Return inertials of bodies of the model with its effects."""
     if not numbers:
         return []
-    m, made = load_tree(held.serial).compile(), compile_plant(held).mujoco
-    changes = []
-    for joint in dict.fromkeys(n.joint for n in numbers):
+    made = compile_plant(held).mujoco
+    joints = dict.fromkeys(n.joint for n in numbers)
+    return _set_bodies(held, target, {j: Inertial.of(made, int(made.joint(j).bodyid[0])) for j in joints})
+
+
+def _set_bodies(model: Model, target: MjcfText | UrdfText, inertials: Mapping[str, Inertial]) -> list[Change]:
+    """Give the bodies that joints carry other inertials."""
+    m, changes = load_tree(model.serial).compile(), []
+    for joint, after in inertials.items():
         body = int(m.joint(joint).bodyid[0])
-        before, after = Inertial.of(m, body), Inertial.of(made, int(made.joint(joint).bodyid[0]))
+        before = Inertial.of(m, body)
         target.set_body(joint, before, after, inertial_frame(m, body))
         pairs = (("mass", "mass"), ("centre", "centre"), ("inertia", "tensor"))
         changes += [

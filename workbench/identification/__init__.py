@@ -1,18 +1,21 @@
-"""Actuator and leg parameters from frequency responses, and S3N built from them (paper, Algorithm 1)."""
+"""Drives and parallel legs from frequency responses, S3N built from them (paper, Algorithm 1), and links."""
 
 from .actuator import fit_actuator
 from .build import check_physical, serial_form, with_actuator, with_leg
 from .fit import Fit
 from .identify import identify_actuator, identify_leg
 from .leg import fit_leg
+from .links import identify_links
+from .links_page import link_rows, links_sentences, links_sheet, torque_rows
 from .page import actuator_sheet, leg_sheet, readable
-from .picture import actuator_figure, fit_figure
-from .result import ActuatorIdentification, LegIdentification
+from .picture import actuator_figure, fit_figure, links_figure
+from .result import ActuatorIdentification, LegIdentification, LinksIdentification
 from .two_mass import fit_two_mass, two_mass_numbers
 
 __all__ = [
-    "ActuatorIdentification", "Fit", "LegIdentification", "actuator_figure", "actuator_sheet",
-    "check_physical", "fit_actuator", "fit_figure", "fit_leg", "fit_two_mass", "identify_actuator",
-    "identify_leg", "leg_sheet", "readable", "serial_form", "two_mass_numbers", "with_actuator",
-    "with_leg",
+    "ActuatorIdentification", "Fit", "LegIdentification", "LinksIdentification", "actuator_figure",
+    "actuator_sheet", "check_physical", "fit_actuator", "fit_figure", "fit_leg", "fit_two_mass",
+    "identify_actuator", "identify_leg", "identify_links", "leg_sheet", "link_rows", "links_figure",
+    "links_sentences", "links_sheet", "readable", "serial_form", "torque_rows", "two_mass_numbers",
+    "with_actuator", "with_leg",
 ]  # fmt: skip

@@ -7,9 +7,10 @@ from matplotlib.figure import Figure
 from workbench.core.shown import Summary, by_kind
 from workbench.report.numbers import interval
 
+from .links_page import link_rows, links_sentences, torque_rows
 from .page import actuator_rows, readable
-from .picture import actuator_figure, fit_figure
-from .result import ActuatorIdentification, LegIdentification
+from .picture import actuator_figure, fit_figure, links_figure
+from .result import ActuatorIdentification, LegIdentification, LinksIdentification
 
 _HEAD = ("parameter", "estimate (95 %)")
 
@@ -32,6 +33,17 @@ def _(value: LegIdentification) -> Summary:
         named |= {f"{name} {axis}": x for axis, x in zip(axes, pair, strict=True)}
     rows = [(name, interval(readable(x))) for name, x in named.items()]
     return Summary("The leg, in actuator coordinates", value.fit.sentence, [(_HEAD, rows)])
+
+
+@summary.register
+def _(value: LinksIdentification) -> Summary:
+    sentence, *_ = links_sentences(value)
+    return Summary(f"The links of {value.model}", sentence, [torque_rows(value), link_rows(value)])
+
+
+@as_figure.register
+def _(value: LinksIdentification) -> Figure:
+    return links_figure(value)
 
 
 @as_figure.register

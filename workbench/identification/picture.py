@@ -1,4 +1,4 @@
-"""A measured response and the model fitted to it; a drive's, beside what other parameters would give."""
+"""Pictures of what was identified: responses with their fit, and the torque that links leave."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core.palette import COLOURS, LINES
 
 from .fit import Fit
-from .result import ActuatorIdentification
+from .result import ActuatorIdentification, LinksIdentification
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,6 +78,32 @@ def actuator_figure(found: ActuatorIdentification) -> Figure:
     out, into = frf.outputs[0], frf.inputs[0]
     axes[0, 0].set_ylabel(f"magnitude [{out.unit} / ({into.unit})]")
     axes[1, 0].set_ylabel("phase [deg]")
+    return figure
+
+
+def links_figure(found: LinksIdentification) -> Figure:
+    """Torque that stays on each axis, in units of its noise: as the model is, and with new numbers."""
+    from workbench.core.picture import Picture
+
+    looks = (
+        ("before", "the model as it is", COLOURS["before"][0], "o"),
+        ("drives", "with the drives' best friction and damping", COLOURS["quiet"][0], "s"),
+        ("after", "with the links' new numbers too", COLOURS["after"][0], "D"),
+    )
+    rows = np.arange(len(found.torques))
+    figure = Picture(figsize=(7.2, 1.5 + 0.34 * len(rows)), layout="constrained")
+    ax = figure.subplots()
+    for name, label, colour, marker in looks:
+        times = [getattr(t, name) / t.noise for t in found.torques]
+        ax.plot(times, rows, marker, color=colour, ms=6, label=label)
+    ax.axvline(1.0, color=COLOURS["noise"][0], lw=1.0, ls=(0, (2, 2)), label="noise")
+    ax.set_yticks(rows, [t.axis for t in found.torques])
+    ax.invert_yaxis()
+    ax.set_xscale("log")
+    ax.set_xlabel("torque that stays unexplained, times the noise")
+    ax.grid(alpha=0.25)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.35), ncols=2)
     return figure
 
 

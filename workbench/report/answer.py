@@ -84,7 +84,8 @@ def _by_links(result: Diagnosis) -> str:
     share = percent(result.by_links)
     return (
         f" Other masses, centres of mass and inertias of all links together explain {share} of the torque "
-        "that stays, and no single one of them does: take them from the maker or from CAD."
+        "that stays, and no single one of them does. Fit all of them with 'workbench identify links', or "
+        "take them from the maker or from CAD."
     )
 
 

@@ -44,6 +44,10 @@ class Normal:
         """Return the equations of unknowns whose columns are multiplied by factors (C,)."""
         return Normal(self.gram * np.outer(factors, factors), self.right * factors, self.square, self.samples)
 
+    def mapped(self, matrix: np.ndarray) -> Normal:
+        """Return the equations of unknowns (D,) of which the old ones are a linear map, `matrix` (C, D)."""
+        return Normal(matrix.T @ self.gram @ matrix, matrix.T @ self.right, self.square, self.samples)
+
     def after(self, solution: np.ndarray) -> float:
         """Return the squared residual for given values of the unknowns."""
         return float(self.square - 2.0 * self.right @ solution + solution @ self.gram @ solution)
