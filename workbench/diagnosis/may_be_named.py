@@ -11,10 +11,18 @@ from .policy import POLICY
 from .significance import is_significant
 
 
-def may_be_named(found: Fit, data: Data) -> bool:
-    """Return whether the explanation is significant and does not merely imitate the torque of another law."""
+def may_be_named(found: Fit, data: Data, *, jointly: bool) -> bool:
+    """Return whether the explanation is significant and does not merely imitate the torque of another law.
+
+    Args:
+        found: the explanation.
+        data: what it explains.
+        jointly: whether all effects were solved together along the measured motion; then each was compared
+            with any curve over its quantities, or noise explains the rest.
+    """
     significant = all(is_significant(a) for a in found.hypothesis.free)
-    return significant and not _another_shape(found, data) and not _far_off_contact(found, data)
+    another = not jointly and _another_shape(found, data)
+    return significant and not another and not _far_off_contact(found, data)
 
 
 def _another_shape(found: Fit, data: Data) -> bool:

@@ -20,8 +20,8 @@ from ..screening.torque_regression import Chosen, Regression
 def imitations(regression: Regression, chosen: Chosen, found: Collection[EffectKey]) -> frozenset[EffectKey]:
     """Return effects of the same quantities of which the data want one clearly beyond a physical bound.
 
-    So they may of a basic effect of these quantities that was not chosen. One that is alone there is as large
-    as it can be, and imitates nothing.
+    So they may of a basic effect of these quantities that was not chosen. A basic effect that is alone there
+    is as small as it can be, none, and imitates nothing; another one has a cause that no machine has.
 
     Args:
         regression: from which they were selected.
@@ -31,7 +31,11 @@ def imitations(regression: Regression, chosen: Chosen, found: Collection[EffectK
     here = tuple(e for e in chosen if e.key in found)
     laws = {frozenset(e.key for e in here if _of_one_law(e.key, first.key)) for first in here}
     return frozenset(
-        key for law in laws if len(law) > 1 and _wants_more(law, here, regression) for key in law
+        key
+        for law in laws
+        if (len(law) > 1 or not all(effect_named(k.effect).search.basic for k in law))
+        and _wants_more(law, here, regression)
+        for key in law
     )
 
 
