@@ -22,8 +22,9 @@ from scipy.signal import decimate
 from workbench import load_model, load_recording, load_recordings
 from workbench.core import Recording
 from workbench.core.files import write_whole
+from workbench.effects import inertials_into_file
 from workbench.frf import estimate, find_resonances
-from workbench.identification import fit_two_mass
+from workbench.identification import fit_two_mass, identify_links
 from workbench.models import Model
 
 
@@ -115,9 +116,11 @@ _NO_INERTIA = (
 _TX40_KEPT = 10  # of 5 kHz, so that 500 Hz stay
 
 
-def _tx40_case(coupled: bool) -> Callable[[Path, Path], Case]:
+def _tx40_case(coupled: bool, *, links: bool = False) -> Callable[[Path, Path], Case]:
     def case(data: Path, folder: Path) -> Case:
-        """Rough inertias; motor 6 turns with joints 5 and 6, or, as if uncoupled, with joint 6 alone."""
+        """Rough inertias, or what `identify links` makes of them; motor 6 turns with joints 5 and 6, or, as if
+        uncoupled, with joint 6 alone.
+        """
         source = data / "tx40"
         turned, current = (
             decimate(pd.read_csv(source / f"{name}.csv.gz").to_numpy(), _TX40_KEPT, ftype="fir", axis=0)
@@ -135,11 +138,14 @@ def _tx40_case(coupled: bool) -> Callable[[Path, Path], Case]:
         write_whole(folder / "tx40.csv", pd.DataFrame(frame).to_csv(index=False), force=True)
         whole = load_recording(folder / "tx40.toml")
         cut = len(whole) * 2 // 3
-        return Case(
-            load_model(str(folder / "tx40_model.toml")),
-            (rows(whole, 0, cut, "first"),),
-            (rows(whole, cut, None, "last"),),
-        )
+        first, last = rows(whole, 0, cut, "first"), rows(whole, cut, None, "last")
+        model = load_model(str(folder / "tx40_model.toml"))
+        if links:
+            new = {link.joint: link.after for link in identify_links(model, [first]).links}
+            fixed = inertials_into_file(model, model.serial, new).content
+            write_whole(model.serial, fixed, force=True)
+            model = load_model(str(folder / "tx40_model.toml"))
+        return Case(model, (first,), (last,))
 
     return case
 
@@ -222,6 +228,7 @@ CASES: dict[str, Callable[[Path, Path], Case]] = {
     "kuka_arm": kuka_case,
     "tx40": _tx40_case(coupled=True),
     "tx40_uncoupled": _tx40_case(coupled=False),
+    "tx40_links": _tx40_case(coupled=True, links=True),
     "go2": go2_case,
     "odrive": _odrive_case("rotor.xml"),
     "odrive_heavy": _odrive_case("rotor_crashes.xml"),
