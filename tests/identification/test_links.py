@@ -141,6 +141,12 @@ def test_a_parallel_leg_is_refused(logs):
         identify_links(load_model("leg"), logs)
 
 
+def test_a_robot_on_the_ground_is_refused(model, logs):
+    standing = [replace(logs[0], extra={"ground_force": np.ones((len(logs[0]), 1))})]
+    with pytest.raises(InputError, match="forces of the ground are not known"):
+        identify_links(model, standing)
+
+
 def test_page_and_picture_say_it(found):
     page = render_sheet(links_sheet(found), command="workbench identify links")
     assert "Other numbers of the links explain" in page

@@ -17,6 +17,7 @@ from .shifted import shifted_axes
 from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
+from .standing import on_ground
 from .swapped import swapped_axes
 from .swings import is_free
 from .weighed import is_weighable, torque_left
@@ -41,6 +42,7 @@ __all__ = [
     "nearest_in_time",
     "noise_rules",
     "normalised",
+    "on_ground",
     "replay_of",
     "reversed_torques",
     "score_runs",

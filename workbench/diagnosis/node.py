@@ -87,6 +87,14 @@ class Node:
         return may_be_named(self.current, self.data, jointly=self.jointly)
 
     @property
+    def has_several_certain(self) -> bool:
+        """Return whether a joint solution has effects that are certain on more than one axis, though more is
+        missing: too many to approximate one other cause.
+        """
+        axes = {step.added.axis for step in self.steps}
+        return self.jointly and not self.done and len(self.steps) >= POLICY.certain_effects and len(axes) > 1
+
+    @property
     def keys(self) -> frozenset[EffectKey]:
         """Return the keys of its effects."""
         return self.current.hypothesis.keys

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from workbench.comparison import on_ground
 from workbench.core import EffectKey, InputError, Recording
 from workbench.diagnosis import LinkEquations, Normal, jackknife, link_equations, total
 from workbench.effects import axis_units, is_parallelogram, link_of
@@ -54,6 +55,12 @@ def identify_links(
         raise InputError(
             f"the links of model '{model.name}' cannot be fitted one by one", file=model.source,
             remedy="for a parallel leg use 'identify leg'",
+        )  # fmt: skip
+    grounded = next((r for r in (*training, *held_out) if model.floats or on_ground(r)), None)
+    if grounded is not None:
+        raise InputError(
+            "the forces of the ground are not known", file=grounded.source,
+            remedy="fit the links to recordings with a fixed base, where the feet touch nothing",
         )  # fmt: skip
     progress("reading the torque along the measured motion")
     equations = link_equations(model, training, held_out, seed)

@@ -41,7 +41,7 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
     whole = len(node.steps) + len(node.near) > problem.limit or (
         _corrections_suffice(node) and not one_effect_may_suffice(problem)
     )
-    several = not (whole or node.by_links) and _has_several_certain(node)
+    several = not (whole or node.by_links) and node.has_several_certain
     share = explained(problem.data, problem.start, node.current, node.data)
     enough = whole or node.by_links > 0.0 or (several and share > POLICY.certain_share)
     yield replace(node, enough=enough, growth=Growth() if several else None)
@@ -51,12 +51,6 @@ def one_effect_may_suffice(problem: Problem) -> bool:
     """Return whether a single effect, as screened, explains the recordings."""
     least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
     return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
-
-
-def _has_several_certain(node: Node) -> bool:
-    """Whether several effects on more than one axis are certain: too many to approximate one other cause."""
-    keys = [step.added for step in node.steps]
-    return not node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
 def _corrections_suffice(node: Node) -> bool:

@@ -70,12 +70,12 @@ def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
 
 def _unexplained(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether forward selection left the recordings unexplained."""
-    return _is_plain(node, problem) and standing(best, problem) < EXPLAINED
+    return _may_be_replaced(node, best, problem) and standing(best, problem) < EXPLAINED
 
 
 def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether forward selection left more than noise."""
-    return _is_plain(node, problem) and _may_be_wrong(best, problem)
+    return _may_be_replaced(node, best, problem) and _may_be_wrong(best, problem)
 
 
 def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
@@ -84,7 +84,7 @@ def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
     One effect of a single axis that comes near the noise is simpler; one of the whole machine may stand for
     one on each of its axes.
     """
-    if not _is_plain(node, problem) or best.done:
+    if not _may_be_replaced(node, best, problem) or best.done:
         return False
     on_one_axis = len(best.steps) == 1 and best.steps[0].added.axis is not None
     return not on_one_axis or _may_be_wrong(best, problem)
@@ -94,7 +94,7 @@ def _unexplained_or_ambiguous(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether nothing explains the recordings, or an early effect may be wrong and later ones may
     correct it.
     """
-    if not _is_plain(node, problem):
+    if not _may_be_replaced(node, best, problem):
         return False
     return standing(best, problem) < EXPLAINED or (node is best and _is_ambiguous(node, problem))
 
@@ -119,8 +119,12 @@ def _best_explains(node: Node, best: Node, problem: Problem) -> bool:
     return _best(node, best, problem) and not node.diverges and explains_data(node, problem)
 
 
-def _is_plain(node: Node, problem: Problem) -> bool:
-    return node.move == ONE_BY_ONE and problem.limit > 1
+def _may_be_replaced(node: Node, best: Node, problem: Problem) -> bool:
+    """Return whether forward selection ended, and the best node may be any approximation.
+
+    Effects on several axes, each certain by itself, are none: what bold starts explain besides is no better.
+    """
+    return node.move == ONE_BY_ONE and problem.limit > 1 and not best.has_several_certain
 
 
 def _may_be_wrong(best: Node, problem: Problem) -> bool:
