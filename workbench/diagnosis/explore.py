@@ -37,7 +37,8 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
         parent, child = proposal
         end = grown(child, problem)
         agenda.add(end)
-        for node in dict.fromkeys((end, child)):
+        # what is added to certain effects has to be better than these
+        for node in dict.fromkeys((child, end) if child.jointly else (end, child)):
             taken, why = accepts(node, best, problem)
             if node is end or taken:
                 trace.append(_tried(parent, node, taken, why, problem))
@@ -45,7 +46,8 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
                 best = node
                 if node is not end:
                     agenda.add(node)
-                break
+                if not child.jointly:
+                    break
     return with_rivals_beside_all(without_insignificant_end(best, problem), problem), tuple(trace)
 
 
