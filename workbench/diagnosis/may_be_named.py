@@ -17,22 +17,22 @@ def may_be_named(found: Fit, data: Data, *, jointly: bool) -> bool:
     Args:
         found: the explanation.
         data: what it explains.
-        jointly: whether all effects were solved together along the measured motion; then each was compared
-            with any curve over its quantities, or noise explains the rest.
+        jointly: whether all effects were solved together along the measured motion; what may follow another
+            shape was taken out then.
     """
     significant = all(is_significant(a) for a in found.hypothesis.free)
-    another = not jointly and _another_shape(found, data)
+    another = not jointly and bool(axes_of_another_shape(found, data))
     return significant and not another and not _far_off_contact(found, data)
 
 
-def _another_shape(found: Fit, data: Data) -> bool:
-    """Return whether a position-dependent torque was found and the residual still depends on positions.
+def axes_of_another_shape(found: Fit, data: Data) -> frozenset[str]:
+    """Return the axes whose residual still depends on positions, if a position-dependent torque was found.
 
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """
     added = found.hypothesis.free
     there = any(kinds.depends_on(effect_named(a.key.effect)) == ("position",) for a in added)
-    return there and ResidualEvidence(data, found).follows_positions
+    return ResidualEvidence(data, found).following_positions if there else frozenset()
 
 
 def _far_off_contact(found: Fit, data: Data) -> bool:

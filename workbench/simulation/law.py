@@ -13,7 +13,9 @@ from .experiment import prepare
 from .trajectory import Track
 
 
-def law_torque(recording: Recording, plant: Plant, track: Track, ahead: float = 0.0) -> np.ndarray:
+def law_torque(
+    recording: Recording, plant: Plant, track: Track, ahead: float = 0.0, *, window: float = 1.0
+) -> np.ndarray:
     """Return the drives' torque (N, n), actuator coordinates; its mean over a row's time from each row.
 
     The loop reads the motion at each of its ticks, between rows too, holds its command until the next one,
@@ -24,6 +26,7 @@ def law_torque(recording: Recording, plant: Plant, track: Track, ahead: float = 
         plant: whose delay and limits the drives have.
         track: the motion, actuator coordinates.
         ahead: share of a row by which the mean begins before its row: 0.5 has the row in its middle.
+        window: share of a row's time over which the mean is taken.
     """
     e = prepare(recording, plant.model)
     c = control_law(e, plant, None)
@@ -44,6 +47,9 @@ def law_torque(recording: Recording, plant: Plant, track: Track, ahead: float = 
     # the integral of a held torque is exact between ticks, so that any delay and any row's mean are
     edges = np.append(at, rows)
     whole = np.concatenate([np.zeros((1, len(c.kp))), np.cumsum(torque * np.diff(edges)[:, None], axis=0)])
-    moments = np.arange(rows + 1) - late - ahead
-    passed = np.stack([np.interp(moments, edges, x, left=0.0) for x in whole.T], axis=1)
-    return np.diff(passed, axis=0)
+    begin = np.arange(rows) - late - ahead
+    before, after = (
+        np.stack([np.interp(moments, edges, x, left=0.0) for x in whole.T], axis=1)
+        for moments in (begin, begin + window)
+    )
+    return (after - before) / window

@@ -70,9 +70,11 @@ class ResidualEvidence:
         return tuple(sorted(best, key=lambda s: -s.share))
 
     @property
-    def follows_positions(self) -> bool:
-        """Return whether the residual torque of an axis is a smooth function of positions alone."""
-        return any(s.frequency is None and all("position" in q for q in s.quantities) for s in self.shapes)
+    def following_positions(self) -> frozenset[str]:
+        """Return the axes whose residual torque is a smooth function of positions alone."""
+        return frozenset(
+            s.axis for s in self.shapes if s.frequency is None and all("position" in q for q in s.quantities)
+        )
 
     def of_finding(self, key: EffectKey) -> list[str]:
         """Return lines that concern one effect."""

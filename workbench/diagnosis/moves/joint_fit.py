@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
 from ..adequacy.adequacy import Adequacy, adequacies
@@ -56,22 +56,28 @@ class Certain:
 
 
 def certain_of(
-    regression: Regression, start: Fit, data: Data, *, whatever_is_left: bool = False
+    regression: Regression,
+    start: Fit,
+    data: Data,
+    *,
+    whatever_is_left: bool = False,
+    bent: Container[str | None] = (),
 ) -> Certain | None:
     """Return the selected effects and the certain ones; None if no effect helps.
 
     Where noise explains the rest it is only asked whether they stand for numbers of links, but for
-    `whatever_is_left`.
+    `whatever_is_left`; or if there are axes that are `bent`: what follows their positions is not certain.
     """
     chosen = in_common(selected(regression), regression)
     whole = fit_of_selection(regression, chosen, start, data)
     if whole is None:
         return None
     errors, imitating = several_wrong(whole.hypothesis.free, regression, chosen.chosen, data)
-    if is_consistent(data, whole.mean_squares) and not (errors or whatever_is_left):
+    if is_consistent(data, whole.mean_squares) and not (errors or whatever_is_left or bent):
         return Certain(regression, chosen, whole, {})
     others = like_others(regression, chosen) | imitations(regression, chosen.chosen, whole.hypothesis.keys)
     found = adequacies(whole, regression, data)
+    others |= {k for k in found if k.axis in bent and "speed" not in kinds.depends_on(effect_named(k.effect))}
     known = {k: a for k, a in found.items() if a.is_adequate and k not in others | imitating}
     return Certain(regression, chosen, whole, known, by_links=errors.share if errors else 0.0)
 

@@ -16,6 +16,7 @@ from ..adequacy.command_path import ON_PATH, certain_on_path
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis
 from ..loss import explained, rescored, test_noise_floor
+from ..may_be_named import axes_of_another_shape
 from ..node import Growth, Node, is_consistent, with_last_step
 from ..policy import POLICY
 from ..problem import Problem, evaluated
@@ -75,12 +76,16 @@ def solve_jointly(problem: Problem) -> Node | None:
     return problem.solved[0]
 
 
-def _solved(problem: Problem) -> Node | None:
+def _solved(problem: Problem, bent: frozenset[str] = frozenset()) -> Node | None:
+    """Return the joint solution; what follows positions of axes that are `bent` is not certain.
+
+    Where what is left follows the position of an axis, effects of that position only came near to its torque.
+    """
     problem.progress("solving for all axes and effects at once, along the measured motion")
     if problem.inverse_dynamics is None:
         return None
     data, start, regression = problem.inverse_dynamics
-    found, by_torque = _by_torque(regression, start, data, problem.seed)
+    found, by_torque = _by_torque(regression, start, data, problem.seed, bent)
     # what the drives make of their commands acts on a machine in its loop alone
     path = certain_on_path(regression.linearisation) if problem.data.replay.simulates else ()
     whole = replace(by_torque, free=(*by_torque.free, *path))
@@ -94,20 +99,26 @@ def _solved(problem: Problem) -> Node | None:
     named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
     entries = tuple(e for e in found.chosen.chosen if e.key in sure_in_loop.keys)
     node = _in_the_loop(_steps(found.regression, entries, named, start, data), problem)
+    if node is not None and not (found.known or bent):
+        bent = axes_of_another_shape(node.current, node.data)
+        if bent:
+            return _solved(problem, bent)
     near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure_in_loop.keys)
     adequacy = {key: stands for key, stands in known.items() if key in sure_in_loop.keys}
     return None if node is None else replace(node, jointly=True, adequacy=adequacy, near=near, by_links=links)
 
 
-def _by_torque(regression: Regression, start: Fit, data: Data, seed: int) -> tuple[Certain, Hypothesis]:
+def _by_torque(
+    regression: Regression, start: Fit, data: Data, seed: int, bent: frozenset[str]
+) -> tuple[Certain, Hypothesis]:
     """Return what was selected along the measured motion, and what of it stays: all where noise explains the
     rest, otherwise what is certain; no effect where that does not lower the error.
     """
-    found = certain_of(regression, start, data)
+    found = certain_of(regression, start, data, bent=bent)
     if found is None:
         return Certain(regression, selection_of((), regression), start, {}), start.hypothesis
     named: Fit | None = found.whole
-    if found.by_links or not is_consistent(data, found.whole.mean_squares):
+    if found.known or found.by_links or not is_consistent(data, found.whole.mean_squares):
         found = certain_apart(found, start, data, seed)
         named = certain_only(found.whole, found.known, data)
         if named and not found.apart:
