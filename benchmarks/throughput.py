@@ -3,6 +3,7 @@
     python benchmarks/throughput.py                        # on the CPU, MuJoCo's batch
     python benchmarks/throughput.py --write DIR            # writes the machines as plain MJCF, to carry
     python benchmarks/throughput.py --machines DIR --gpu   # there; needs mujoco, mujoco_warp, warp and numpy
+    python benchmarks/throughput.py --parts                # what each part of S3N-Full costs: without it
 
 All machines are timed one after the other in each round, in an order that is drawn, so that what slows a
 computer down slows them all. Told is the median over rounds with its 95 % interval (by resampling rounds),
@@ -17,15 +18,22 @@ import json
 import time
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 
 VARIANTS = "kin_only", "s3n_act", "s3n_full", "exact"
 CLOSED = "constraints"
+#: A machine of `--parts` -> what of S3N-Full it lacks, as elements of the MJCF and their attributes.
+PARTS = {
+    "no weight compensation": (("body", "gravcomp"),),
+    "no inertia on tendons": (("fixed", "armature"),),
+    "no damping on tendons": (("fixed", "damping"),),
+    "none of the three": (("body", "gravcomp"), ("fixed", "armature"), ("fixed", "damping")),
+}
 _AGAIN = 50  # steps
 _DRAWS = 2000
-
 
 Standing = tuple[list[float], list[float]]
 
@@ -49,13 +57,9 @@ def machines() -> dict[str, tuple[str, Standing]]:
 
 
 def _settled(
-    m: mujoco.MjModel,
-    qpos: np.ndarray,
-    places: np.ndarray,
-    dofs: np.ndarray,
-    target: np.ndarray,
+    m: mujoco.MjModel, qpos: np.ndarray, places: np.ndarray, dofs: np.ndarray, target: np.ndarray,
     back: np.ndarray,
-) -> Standing:
+) -> Standing:  # fmt: skip
     """Where a machine comes to rest under a PD loop, and the torques there."""
     data = mujoco.MjData(m)
     data.qpos[:] = qpos
@@ -98,6 +102,19 @@ def _closed() -> tuple[str, Standing]:
     drives = [m.actuator(k).trnid[0] for k in range(m.nu)]
     places, dofs = m.jnt_qposadr[drives], m.jnt_dofadr[drives]
     return exact_xml(spec), _settled(m, qpos, places, dofs, qpos[places], np.eye(m.nu))
+
+
+def parts(made: dict[str, tuple[str, Standing]]) -> dict[str, tuple[str, Standing]]:
+    """Kin-Only, S3N-Full, and S3N-Full without one of its parts each, begun alike."""
+    xml, stands = made["s3n_full"]
+    out = {name: made[name] for name in ("kin_only", "s3n_full")}
+    for name, lacks in PARTS.items():
+        root = ElementTree.fromstring(xml)
+        for tag, attribute in lacks:
+            for element in root.iter(tag):
+                element.attrib.pop(attribute, None)
+        out[name] = ElementTree.tostring(root, encoding="unicode"), stands
+    return out
 
 
 def cpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], float]:
@@ -181,9 +198,8 @@ def interval(values: np.ndarray) -> tuple[float, float, float]:
 
 def main() -> None:
     """Times all machines."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("--worlds", type=int, default=0, help="256 on the CPU, 4096 on a GPU")
     parser.add_argument("--steps", type=int, default=200, help="of all worlds, a machine and round")
     parser.add_argument("--rounds", type=int, default=15)
@@ -191,23 +207,23 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[], metavar="MACHINE")
     parser.add_argument("--write", type=Path, metavar="DIR", help="write the machines and time nothing")
     parser.add_argument("--machines", type=Path, metavar="DIR", help="take them from there")
+    parser.add_argument("--parts", action="store_true", help="S3N-Full without each of its parts")
     parser.add_argument("--json", type=Path, metavar="FILE")
     asked = parser.parse_args()
     if asked.machines:
         found = json.loads((asked.machines / "machines.json").read_text())
-        made = {
-            name: ((asked.machines / f"{name}.xml").read_text(), stands) for name, stands in found.items()
-        }
+        made = {k: ((asked.machines / f"{k}.xml").read_text(), stands) for k, stands in found.items()}
     else:
         made = machines()
     if asked.write:
         asked.write.mkdir(parents=True, exist_ok=True)
         for name, (xml, _) in made.items():
             (asked.write / f"{name}.xml").write_text(xml)
-        (asked.write / "machines.json").write_text(
-            json.dumps({name: stands for name, (_, stands) in made.items()})
-        )
+        standing = {name: stands for name, (_, stands) in made.items()}
+        (asked.write / "machines.json").write_text(json.dumps(standing))
         return
+    if asked.parts:
+        made = parts(made)
     worlds = asked.worlds or (4096 if asked.gpu else 256)
     chosen = {name: each for name, each in made.items() if not asked.only or name in asked.only}
     make = gpu if asked.gpu else cpu
@@ -216,14 +232,14 @@ def main() -> None:
     print(
         f"{worlds} worlds, {asked.rounds} rounds of {asked.steps} steps, {'GPU' if asked.gpu else 'one core'}"
     )
-    print(f"{'machine':14s} {'thousand steps/s':>32s} {'over kin_only':>28s}")
+    print(f"{'machine':24s} {'thousand steps/s':>32s} {'over kin_only':>28s}")
     told = {}
     for name, values in rates.items():
         rate = [x / 1e3 for x in interval(values)]
         ratio = interval(values / rates["kin_only"]) if "kin_only" in rates else (np.nan,) * 3
         told[name] = {"steps_per_s": interval(values), "over_kin_only": ratio}
         print(
-            f"{name:14s} {rate[0]:10.1f} ({rate[1]:8.1f} to {rate[2]:8.1f}) "
+            f"{name:24s} {rate[0]:10.1f} ({rate[1]:8.1f} to {rate[2]:8.1f}) "
             f"{ratio[0]:10.3f} ({ratio[1]:.3f} to {ratio[2]:.3f})"
         )
     if asked.json:

@@ -106,6 +106,17 @@ _BARS = """<sdf version="1.9"><model name="bars">{links}
 <frame name="heel" attached_to="shank"><pose>0.01 0 0.05 0 0 0</pose></frame></model></sdf>"""
 
 
+_BARS_MJCF = """<mujoco><compiler angle="radian"/><default><joint axis="0 -1 0"/></default><worldbody>
+<body><joint name="hip"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="2e-3 2e-3 2e-3"/>
+<body pos="0 0 -0.22"><joint name="knee"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="2e-3 2e-3 2e-3"/>
+<site name="toe" pos="0 0 -0.25"/><site name="heel" pos="0.01 0 0.05"/></body></body>
+<body><joint name="crank"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="2e-3 2e-3 2e-3"/>
+<body pos="0 0 0.045"><joint name="pin"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="2e-3 2e-3 2e-3"/>
+<site name="below" pos="0 0 -0.2"/></body></body></worldbody>
+<equality><connect site1="below" site2="heel"/></equality>
+<keyframe><key qpos="{keyframe}"/></keyframe></mujoco>"""
+
+
 def unequal_bars(folder: Path) -> Path:
     """A four-bar leg whose bars are of unequal lengths, so that it can be put together in two ways."""
     links = ""
@@ -142,6 +153,7 @@ def test_the_start_chooses_the_way_to_put_a_leg_together(tmp_path: Path, crank: 
     done = run("import", file, *words, "-o", "own.toml", "--json", "own.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "close in 2 ways" in done.stdout
+    assert f"As asked, the loops are closed near knee = 1, crank = {crank:.3g}: at" in done.stdout
     model = read_model(tmp_path / "own.toml")
     assert model.closed_chain is not None
     chain = ClosedChain(model.closed_chain)
@@ -157,6 +169,33 @@ def test_the_start_chooses_the_way_to_put_a_leg_together(tmp_path: Path, crank: 
     chosen = replace(model.closed_chain, start=(*told["joints"].items(), ("crank", other["crank"])))
     again = ClosedChain(chosen).drive_position(np.array(list(told["joints"].values())))
     assert again[1] == pytest.approx(other["crank"])
+
+
+def test_a_start_that_is_no_closed_posture_is_told(tmp_path: Path) -> None:
+    asked = (("hip", 0.0), ("knee", 1.0), ("crank", 0.1))
+    bars = Mechanism(
+        unequal_bars(tmp_path), ("hip", "crank"), ("hip", "knee"), (("below", "heel"),), None, start=asked
+    )
+    told = list[str]()
+    import_model(bars, MOTORS, tmp_path / "own.toml", tell_start=told.append)
+    (said,) = told
+    assert said.startswith("no closed posture is near hip = 0, knee = 1, crank = 0.1; the nearest has hip = ")
+
+
+@pytest.mark.parametrize("crank", [1.2, -1.6])
+def test_the_start_goes_before_the_keyframe_of_an_mjcf(tmp_path: Path, crank: float) -> None:
+    sides = {1.2: ("0.0 1.1 1.3110 -1.2936", -1.6), -1.6: ("0.0 1.1 -1.7296 1.2936", 1.2)}
+    keyframe, other = sides[crank]
+    file = tmp_path / "bars.xml"
+    file.write_text(_BARS_MJCF.format(keyframe=keyframe))
+    for asked, side in (((), crank), ((("crank", other),), other)):
+        bars = Mechanism(
+            file, ("hip", "crank"), ("hip", "knee"), (), "toe", start=asked, limits=((-0.5, 0.5), (0.8, 1.6))
+        )
+        model = import_model(bars, MOTORS, tmp_path / "own.toml", force=True)
+        assert model.closed_chain is not None
+        chain = ClosedChain(replace(model.closed_chain, file=tmp_path / "own.sdf"))
+        assert np.sign(chain.drive_position(np.array([0.0, 1.1]))[1]) == np.sign(side)
 
 
 def test_what_import_made_is_normalised_and_agrees_with_check(tmp_path: Path) -> None:

@@ -59,10 +59,12 @@ def test_it_has_no_variants_and_no_quadruped() -> None:
 def test_its_policy_runs_in_its_chain_and_compare_takes_it(trained: Path) -> None:
     bundle = read_bundle(trained / "run" / "bundle.zip")
     assert bundle.control.map is not None
-    done = run("evaluate", "run/bundle.zip", "-o", "evaluated", "--seconds", 1.5, cwd=trained)
+    words = "--seconds", 1.5, "--json", "told.json"
+    done = run("evaluate", "run/bundle.zip", "-o", "evaluated", *words, cwd=trained)
     assert done.returncode == 0, done.stderr
     assert "the closed chain of ankle.sdf" in done.stdout
     assert "trained in a tree fitted to its loops" in done.stdout
+    assert json.loads((trained / "told.json").read_text())["trained_in"] == "a tree fitted to its loops"
     for name in ("hardware", "simulation"):
         recordings = load_recordings([trained / "evaluated" / f"{name}.toml"])
         assert recordings[0].name == f"reach_fitted_{name}"

@@ -50,7 +50,7 @@ def evaluate(
     robot = robot_files(loaded, folder, file)
     check_outputs(*map(str, robot), force=force)
     content: dict[str, Any] = {"format": 1, "bundle": bundle, "task": loaded.task, "variant": loaded.variant}
-    content["on"] = hardware_of(loaded, file)
+    content |= {"trained_in": trained_in(loaded), "on": hardware_of(loaded, file)}
     if not quiet and json != "-":
         echo(content["on"])
     with progress(quiet) as tell:

@@ -11,8 +11,9 @@ from workbench.core import InputError
 
 from . import complete, options
 from .common import check_outputs, found
-from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
+from .import_model import import_mechanism, refuse_model, show_contents
 from .import_table import import_several, import_table, read_answers
+from .mechanism_options import MechanismOptions
 
 _MECHANISMS = (".sdf", ".urdf", ".xml", ".xacro", ".world")
 

@@ -2,42 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workbench.core import InputError
 
 from .common import echo, named_values, write_result
+from .mechanism_options import MechanismOptions, frames_of, loop_of, number_of, one_each, range_of
 
 if TYPE_CHECKING:
-    from workbench.core import Controller
     from workbench.models import Model
-
-
-@dataclass(frozen=True)
-class MechanismOptions:
-    """What the command line says about a mechanism; text as it was given."""
-
-    file: Path
-    drives: Sequence[str]
-    joints: Sequence[str]
-    loops: Sequence[str]
-    foot: str | None
-    limits: Sequence[str]
-    start: Sequence[str]
-    hold: Sequence[str]
-    gear: list[float] | None
-    rotor_inertia: list[float] | None
-    rotor_damping: list[float] | None
-    torque_limit: list[float] | None
-    delay: float
-    kp: list[float] | None = None
-    kd: list[float] | None = None
-    period: float | None = None
-    coordinates: str = ""
-    hold_rest: bool = False
 
 
 def refuse_model(path: Path) -> None:
@@ -90,8 +65,8 @@ def import_mechanism(
     contents = contents_of(path)
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o MODEL.toml")
-    own = {k: _range(v) for k, v in named_values(asked.limits, "--limits", "knee=0.35:2.6").items()}
-    stated, narrowed = {**contents.limits, **own}, list[str]()
+    own = {k: range_of(v) for k, v in named_values(asked.limits, "--limits", "knee=0.35:2.6").items()}
+    stated, narrowed, begun = {**contents.limits, **own}, list[str](), list[str]()
     known = [name for name in serial if name in stated]
     if known and len(known) < len(serial):
         missing = next(name for name in serial if name not in stated)
@@ -102,27 +77,28 @@ def import_mechanism(
         file=path,
         drives=tuple(asked.drives),
         joints=serial,
-        loops=tuple(_frames(pair) for pair in asked.loops),
+        loops=tuple(frames_of(pair) for pair in asked.loops),
         foot=asked.foot,
-        start=tuple((k, _number(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
+        start=tuple((k, number_of(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
         limits=tuple(stated[name] for name in serial) if known else (),
         couplings=tuple(
-            Coupling(k, None, (_number(v),)) for k, v in named_values(asked.hold, "--hold", "shin=0").items()
+            Coupling(k, None, (number_of(v),))
+            for k, v in named_values(asked.hold, "--hold", "shin=0").items()
         ),
     )
     names, count = asked.drives, len(asked.drives)
-    gear = _each(asked.gear, count, 1.0, "--gear")
+    gear = one_each(asked.gear, count, 1.0, "--gear")
     # of an MJCF a joint has at its output what motors have at the rotor
     inertia, damping = (
         [own.get(name, 0.0) / ratio**2 for name, ratio in zip(names, gear, strict=True)]
         for own in (contents.armature, contents.damping)
     )
-    limit = [contents.torque_limit.get(name, float("inf")) for name in names]
+    limits = {name: contents.torque_limit.get(name, float("inf")) for name in names}
     drives = Drives(
         gear,
-        _each(asked.rotor_inertia or inertia, count, 0.0, "--rotor-inertia"),
-        _each(asked.rotor_damping or damping, count, 0.0, "--rotor-damping"),
-        _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
+        one_each(asked.rotor_inertia or inertia, count, 0.0, "--rotor-inertia"),
+        one_each(asked.rotor_damping or damping, count, 0.0, "--rotor-damping"),
+        one_each(asked.torque_limit or list(limits.values()), count, float("inf"), "--torque-limit"),
         asked.delay,
         tuple(contents.friction.get(name, 0.0) for name in names),
     )
@@ -131,10 +107,11 @@ def import_mechanism(
         drives,
         output,
         axes=axes,
-        controller=_loop(asked, count),
+        controller=loop_of(asked, count),
         hold_rest=asked.hold_rest,
         kept=tuple(own),
         tell=narrowed.append,
+        tell_start=begun.append,
         force=force,
     )
     assert made.closed_chain is not None
@@ -153,6 +130,7 @@ def import_mechanism(
             "assemblies": vars(ways),
             "limits": [list(pair) for pair in made.closed_chain.limits],
             "limits_changed": narrowed,
+            "start": begun,
         }
         write_result(content, json, files=[path], force=force)
     if quiet or json == "-":
@@ -162,10 +140,14 @@ def import_mechanism(
         kind = "is constant, but the links in the loops turn differently in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
-    for line in contents.bonds:
+    for line in (*contents.bonds, *begun):
         echo(f"{line[0].upper()}{line[1:]}.")
     for line in narrowed:
         echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
+    taken = {} if asked.torque_limit else {k: v for k, v in limits.items() if v < float("inf")}
+    if taken:
+        said = ", ".join(f"{name} {value:.4g}" for name, value in taken.items())
+        echo(f"Torque limits of the drives, from the file: {said}. --torque-limit states others.")
     if held:
         echo(f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}.")
     fixed = {c.joint for c in made.closed_chain.couplings if not c.follows}
@@ -188,60 +170,8 @@ def _without(driven: Collection[str], values: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.3g}" for name, value in values.items() if value and name not in driven)
 
 
-def _loop(asked: MechanismOptions, count: int) -> Controller:
-    """The PD loop of the drives, as far as the command line says."""
-    from workbench.core import Controller
-
-    if asked.kp is None and asked.kd is None:
-        return Controller()
-    if asked.kp is None or asked.kd is None:
-        raise InputError("a loop has two gains", remedy="give --kp and --kd, one for all joints or one each")
-    where = asked.coordinates or "joint"
-    if where not in ("joint", "actuator"):
-        raise InputError(f"--coordinates '{where}'", remedy="give joint or actuator")
-    if asked.period is not None and not 0.0 < asked.period <= 1.0:
-        raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
-    kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
-    return Controller("pd", where, kp=kp, kd=kd, period_s=asked.period)
-
-
 def _beside(made: Model, source: Path, output: str) -> list[Path]:
     """The files that came with a model file."""
     chain = made.closed_chain.file if made.closed_chain else source
     written = [made.serial, *([] if chain == source.resolve() else [chain])]
     return [Path(output).with_name(file.name) for file in written]
-
-
-def _frames(text: str) -> tuple[str, str]:
-    first, colon, second = text.partition(":")
-    if not (first and colon and second):
-        raise InputError(f"--loop '{text}' is not A:B", remedy="name two frames of the file")
-    return first, second
-
-
-def _range(text: str) -> tuple[float, float]:
-    low, high = map(_number, text.partition(":")[::2])
-    if not low < high:
-        raise InputError(f"limits '{text}' are not LOW:HIGH", remedy="e.g. --limits knee=0.35:2.6")
-    return low, high
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not abs(value) < float("inf"):
-        raise InputError(f"'{text}' is not a number", remedy="give a finite number")
-    return value
-
-
-def _each(values: list[float] | None, count: int, default: float, option: str) -> tuple[float, ...]:
-    given = values or [default]
-    if len(given) not in (1, count):
-        raise InputError(
-            f"{len(given)} values of {option} for {count} drives", remedy="give one, or one each"
-        )
-    if any(not v >= 0.0 for v in given):
-        raise InputError(f"{option} is negative", remedy="give numbers of zero or more")
-    return tuple(given * count if len(given) == 1 else given)

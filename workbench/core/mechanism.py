@@ -22,6 +22,8 @@ class Mechanism:
             picks the branch; zero for joints not named.
         limits: lower and upper limit of each serial coordinate [rad or m], in the order of `joints`.
         couplings: joints that follow others or are held; those of the file (``<mimic>``) need not be named.
+        rest: angles in a posture that the file itself states [rad or m]. Assembly begins there. Where loops
+            close in several ways, `start` decides, and these only where `start` names no joint of the loops.
     """
 
     file: Path
@@ -32,6 +34,7 @@ class Mechanism:
     start: tuple[tuple[str, float], ...] = ()
     limits: tuple[tuple[float, float], ...] = ()
     couplings: tuple[Coupling, ...] = ()
+    rest: tuple[tuple[str, float], ...] = ()
 
     def all_couplings(self) -> tuple[Coupling, ...]:
         """Return the couplings named here, then those of the file for other joints.

@@ -13,6 +13,7 @@ from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY, declared_loops, finished, parse
 
 from .converted import Beside
+from .efforts import efforts_in
 from .opened import opened
 from .resistance import resistance_in
 
@@ -69,7 +70,12 @@ def contents_of(file: Path) -> Contents:
         found = _contents(source, converted.closed if converted else len(declared_loops(source)))
         if converted is None:
             root = parse_xml(source.read_bytes(), source, prefixes=False)
-            return replace(found, couplings=couplings_in(root, source), **resistance_in(root, source))
+            return replace(
+                found,
+                couplings=couplings_in(root, source),
+                torque_limit=efforts_in(root, source),
+                **resistance_in(root, source),
+            )
         return replace(found, **{f.name: getattr(converted, f.name) for f in fields(Beside)})
 
 

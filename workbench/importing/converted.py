@@ -15,7 +15,9 @@ class Beside:
     Attributes:
         couplings: joints that follow others, or are held, by the file's own word.
         round_rods: ball joints of an MJCF that are taken as universal ones.
-        armature, torque_limit: joint -> what an MJCF has there, inf without a limit.
+        armature: joint -> what an MJCF has there [kg m^2 or kg].
+        torque_limit: joint -> what its motor, or the joint of a URDF or SDF, has [N m or N]; inf or no entry
+            without a limit.
         damping, friction: joint -> what the file has there; dry friction [N m or N].
         motors: joints that motors turn, as far as the file says.
         springs: joints that springs hold where they are.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -66,6 +66,7 @@ def import_model(
     hold_rest: bool = False,
     kept: Sequence[str] = (),
     tell: Callable[[str], object] = lambda line: None,
+    tell_start: Callable[[str], object] = lambda line: None,
     force: bool = False,
 ) -> Model:
     """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
@@ -84,6 +85,7 @@ def import_model(
         kept: serial joints whose limits are kept; where the transmission changes with the posture, those of
             the others are narrowed to what is reached, free of dead points.
         tell: is told limits that are not the file's, and why.
+        tell_start: is told where the loops close near the start posture that `mechanism` asks for.
         force: overwrite.
 
     Raises:
@@ -110,10 +112,7 @@ def import_model(
                 loops=(*converted.loops, *mechanism.loops),
                 couplings=(*converted.couplings, *mechanism.couplings),
             )
-            named = {name for name, _ in mechanism.start}
-            cut = replace(
-                cut, start=(*mechanism.start, *(e for e in converted.start.items() if e[0] not in named))
-            )
+            cut = replace(cut, rest=tuple(converted.start.items()))
             kept_file = target.with_suffix(converted.suffix)
             _check_written(kept_file, mechanism.file, force)
             texts[kept_file] = converted.text
@@ -121,6 +120,8 @@ def import_model(
             first = (*converted.motors, *converted.springs) if converted else ()
             cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
         cut, chain = _begun(cut)
+        if mechanism.start:
+            tell_start(_nearest(chain, dict(mechanism.start)))
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(
@@ -196,13 +197,23 @@ def _begun(mechanism: Mechanism) -> tuple[Mechanism, ClosedChain]:
     says is of the posture that it says, digit by digit.
     """
     chain = ClosedChain(mechanism)
-    stated = dict(mechanism.start)
+    stated = {**dict(mechanism.rest), **dict(mechanism.start)}
+    mechanism = replace(mechanism, start=tuple(stated.items()), rest=())
     found = chain.tree_position(chain.start[0])
     named = dict(zip(chain.coordinates, map(float, found), strict=True))
     if all(abs(value - stated.get(name, 0.0)) < _STRAYED for name, value in named.items()):
-        return mechanism, chain
+        return mechanism, chain if mechanism == chain.mechanism else ClosedChain(mechanism)
     begun = replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
     return begun, ClosedChain(begun)
+
+
+def _nearest(chain: ClosedChain, asked: Mapping[str, float]) -> str:
+    """One line that compares a posture that somebody asked for with the closed one that was found."""
+    theta = dict(zip(chain.coordinates, chain.assembled, strict=True))
+    wanted, has = (", ".join(f"{k} = {of[k]:.3g}" for k in asked) for of in (asked, theta))
+    if all(abs(theta[name] - value) < _STRAYED for name, value in asked.items()):
+        return f"as asked, the loops are closed near {wanted}: at {has}"
+    return f"no closed posture is near {wanted}; the nearest has {has}"
 
 
 def _check_written(file: Path, source: Path, force: bool) -> None:

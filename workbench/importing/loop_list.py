@@ -21,6 +21,7 @@ from workbench.core.coupling import couplings_in
 from workbench.core.xml import parse_xml
 
 from .converted import Converted
+from .efforts import efforts_in
 from .resistance import resistance_in
 
 _AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
@@ -145,7 +146,7 @@ def with_list(file: Path, listed: LoopList) -> Converted:
     return Converted(
         ElementTree.tostring(root, encoding="unicode") + "\n", ".urdf", tuple(pairs), len(listed.loops),
         couplings=couplings_in(root, file), motors=listed.motors, said_by=listed.file.name,
-        **resistance_in(root, file),
+        torque_limit=efforts_in(root, file), **resistance_in(root, file),
     )  # fmt: skip
 
 

@@ -111,17 +111,18 @@ def motors_of(m: mujoco.MjModel, j: int) -> np.ndarray:
 
 
 def torque_limit(m: mujoco.MjModel, j: int) -> float:
-    """Torque limit of a joint's one motor; inf where none is stated, or another on either side."""
+    """Torque limit of a joint's one motor or of the joint, the lower one; inf where none is stated.
+
+    A limit that is another on either side is none here.
+    """
+    ranges = [m.jnt_actfrcrange[j]] if m.jnt_actfrclimited[j] else []
     own = motors_of(m, j)
-    if len(own) != 1:
-        return float("inf")
-    a = own[0]
-    motor = m.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
-    gear = abs(float(m.actuator_gear[a, 0]))
-    if m.actuator_forcelimited[a]:
-        low, high = gear * m.actuator_forcerange[a]
-    elif motor and m.actuator_ctrllimited[a]:
-        low, high = gear * abs(float(m.actuator_gainprm[a, 0])) * m.actuator_ctrlrange[a]
-    else:
-        return float("inf")
-    return float(high) if high == -low else float("inf")
+    if len(own) == 1:
+        a = own[0]
+        motor = m.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
+        gear = abs(float(m.actuator_gear[a, 0]))
+        if m.actuator_forcelimited[a]:
+            ranges.append(gear * m.actuator_forcerange[a])
+        elif motor and m.actuator_ctrllimited[a]:
+            ranges.append(gear * abs(float(m.actuator_gainprm[a, 0])) * m.actuator_ctrlrange[a])
+    return min((float(high) for low, high in ranges if high == -low), default=float("inf"))

@@ -76,6 +76,11 @@ class ClosedChain:
         """q_p (n,) and q_s (n,) [rad or m] of the posture it was assembled in."""
         return self._start[self._driven.independent], self._start[self._joints]
 
+    @property
+    def assembled(self) -> np.ndarray:
+        """The closed posture theta (N,) [rad or m] nearest to the start, whatever the limits are."""
+        return self._posture.copy()
+
     def tree_position(self, q: np.ndarray) -> np.ndarray:
         """Tree coordinates theta (N,) [rad or m] that close the loops at drive positions `q` (n,).
 

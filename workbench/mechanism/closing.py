@@ -6,7 +6,7 @@ way however the other begins.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from .tree import Tree
 
 _SEED = 7  # what is random here has to come out the same every time
 _STRAYED = 0.2  # rad or m from what was stated of the start: still that posture
-_HELD, _TRIES, _ENOUGH = 0.05, 40, 12
+_HELD, _HINTED, _TRIES, _ENOUGH = 0.05, 0.2, 40, 12
 _FAR = 1e6  # m: a file with a wrong number
 _LOST = 200  # steps of the damped way, which is for those that begin far from any closed posture
 
@@ -44,10 +44,14 @@ def closed_near_start(tree: Tree, drives: Sequence[int]) -> np.ndarray:
     """
     start = _start(tree)
     kept = {*drives, *(tree.index(name, "joints") for name in tree.mechanism.joints)}
-    stated = {tree.index(name, "start") for name, _ in tree.mechanism.start}
+    chosen = {tree.index(name, "start") for name, _ in tree.mechanism.start}
+    rest = {tree.index(name, "start") for name, _ in tree.mechanism.rest}
     theta = start.copy()
     for group in _groups(tree):
-        closed = _group_near_start(tree, group, theta, stated, kept)
+        if chosen & set(group.coordinates):  # somebody's choice goes before the posture of the file
+            closed = _group_near_start(tree, group, theta, chosen, kept, rest - chosen)
+        else:
+            closed = _group_near_start(tree, group, theta, rest, kept)
         if closed is None:
             close(tree, start)  # which leaves the tree as near as it comes
             raise InputError(
@@ -89,36 +93,60 @@ def close(
 
 
 def _group_near_start(
-    tree: Tree, group: _Group, start: np.ndarray, stated: set[int], kept: set[int]
-) -> np.ndarray | None:
+    tree: Tree, group: _Group, start: np.ndarray, stated: set[int], kept: set[int],
+    hints: Collection[int] = (),
+) -> np.ndarray | None:  # fmt: skip
     """The nearest closed posture of one group of loops, the other coordinates as in `start` (N,).
 
     Loops close in more than one way, and from the angles that nobody stated the nearest way may lead far from
     those that somebody did. Then passive coordinates are begun all round, and what was stated is held.
+    Drives and serial joints stay near `hints` where `stated` allows that: with a crank held at the angle that
+    somebody chose, the old way to put a leg together closes too, with its hip turned round.
     """
     own = [i for i in group.coordinates if i in stated]
+    near = [i for i in group.coordinates if i in kept and i in hints]
     ease = np.ones(len(start))
-    ease[own] = _HELD
+    ease[near], ease[own] = _HINTED, _HELD
     plain = None
     for given in (ease, 1.0) if own else (1.0,):
         plain = close(tree, start, given, group)
-        if plain is not None and np.abs(plain - start)[own].max(initial=0.0) < _STRAYED:
+        if plain is not None and np.abs(plain - start)[own + near].max(initial=0.0) < _STRAYED:
             return plain
+    serial = [tree.index(name, "joints") for name in tree.mechanism.joints]
     passive = [i for i in group.coordinates if i not in stated | kept]
+    free = [i for i in group.coordinates if i not in {*stated, *serial}]
     generator, found = np.random.default_rng(_SEED), [] if plain is None else [plain]
-    for _ in range(_TRIES):
+    for turn in range(_TRIES):
+        # a drive that nobody spoke of may have to go to the other side as well
+        turned = free if near and turn % 2 else passive
         guess = start.copy()
-        guess[passive] += generator.uniform(-np.pi, np.pi, len(passive))
+        guess[turned] += generator.uniform(-np.pi, np.pi, len(turned))
         closed = close(tree, guess, ease, group)
         if closed is None and not found and np.isfinite(tree.gap(group.rows)).all():
             damped = _approached(tree, guess, ease, group)
             closed = close(tree, damped, ease, group)
-        found += [] if closed is None else [closed]
+        found += [] if closed is None else [_unturned(tree, group, closed, start)]
         if len(found) == _ENOUGH:
             break
     cost = np.zeros(len(start))
+    cost[list(hints)] = _HELD**2
     cost[list(kept)], cost[own] = _HELD, 1.0
-    return min(found, key=lambda theta: float(cost @ (theta - start) ** 2), default=None)
+    low, high = np.array(tree.mechanism.limits or [(-np.inf, np.inf)] * len(serial)).T
+
+    def dear(theta: np.ndarray) -> float:
+        beyond = theta[serial] - np.clip(theta[serial], low, high)
+        return float(cost @ (theta - start) ** 2 + beyond @ beyond)
+
+    return min(found, key=dear, default=None)
+
+
+def _unturned(tree: Tree, group: _Group, theta: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """The same posture (N,), without whole turns away from `start` if the loops are closed there too."""
+    turning = [i for i in group.coordinates if tree.unit(tree.names[i]) == "rad"]
+    near = theta.copy()
+    near[turning] -= 2.0 * np.pi * np.round((theta - start)[turning] / (2.0 * np.pi))
+    tree.move(near)
+    return near if np.abs(tree.gap(group.rows)).max() < CLOSED else theta
 
 
 def _approached(tree: Tree, theta: np.ndarray, ease: np.ndarray, group: _Group) -> np.ndarray:
@@ -164,7 +192,7 @@ def _groups(tree: Tree) -> list[_Group]:
 
 def _start(tree: Tree) -> np.ndarray:
     theta = np.zeros(len(tree.names))
-    for name, value in tree.mechanism.start:
+    for name, value in (*tree.mechanism.rest, *tree.mechanism.start):
         if not np.isfinite(value):
             raise InputError(
                 f"the start of '{name}' is {value}", file=tree.mechanism.file, column="closed_chain.start",
