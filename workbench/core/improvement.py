@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from .diagnosis import Diagnosis, Verdict
 from .finding import EffectKey, Estimate
 from .results import Comparison
-from .shown import Shown, Told
+from .shown import Shown
 
 
 @dataclass(frozen=True, repr=False)
-class Step(Told):
+class Step(Shown):
     """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
 
     key: EffectKey
