@@ -118,7 +118,6 @@ def test_one_recording_needs_no_list(comparison) -> None:
     assert [r.recording for r in inspect(recording).recordings] == [recording.name]
     [entry] = compare(load_model("leg"), recording, draws=2).recordings
     assert entry.recording.name == recording.name
-    assert Recordings.of(recording) == Recordings.of([recording])
 
 
 def test_a_model_s_lines_have_what_its_file_states(tmp_path) -> None:

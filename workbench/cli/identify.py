@@ -12,7 +12,7 @@ from typer import Option
 from workbench.core import InputError
 
 from . import complete, options
-from .common import check_model_output, check_outputs, echo, files_of, read_recordings, write_result
+from .common import check_model_output, check_outputs, echo, files_of, read_recordings, whole, write_result
 from .deliver import deliver_sheet
 from .listing import Listing
 
@@ -41,6 +41,7 @@ _Figure = Annotated[
 
 
 @identify.command()
+@whole
 def actuator(
     recordings: options.Recordings,
     model: _Base = "leg_kin_only",
@@ -81,6 +82,7 @@ def actuator(
 
 
 @identify.command()
+@whole
 def leg(
     recordings: options.Recordings,
     model: _Base = "leg_kin_only",

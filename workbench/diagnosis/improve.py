@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
-from workbench.core import Diagnosis, Improvement, Recording, Recordings, Step, Verdict
+from workbench.core import Diagnosis, Improvement, Step, Verdict
+from workbench.effects import load_model
 from workbench.models import Model
+from workbench.recordings import Source, load_recordings
 from workbench.s3n import off_drives
 
 from .diagnose import diagnosis_of
@@ -17,9 +20,9 @@ from .verdict import NAMED, refuted
 
 
 def improve(
-    model: Model,
-    training: Recording | Sequence[Recording],
-    held_out: Recording | Sequence[Recording] = (),
+    model: Model | str | Path,
+    training: Source | Iterable[Source],
+    held_out: Source | Iterable[Source] = (),
     *,
     seed: int = 0,
     limit: int | None = None,
@@ -29,8 +32,8 @@ def improve(
     """Return the steps of an improvement, and the model with all effects that explain the data.
 
     Args:
-        model: what we believe.
-        training: recordings to fit, one or several.
+        model: what we believe, or its file or name.
+        training: recordings to fit, one or several, or their files.
         held_out: recordings that only test the fit.
         seed: of the noise simulations.
         progress: told what is being done.
@@ -44,7 +47,8 @@ def improve(
     Raises:
         InputError, SimulationError: as `diagnose`.
     """
-    found = rounds(model, Recordings.of(training), Recordings.of(held_out), seed, progress, limit)
+    model, training = load_model(model), load_recordings(training, some=True)
+    found = rounds(model, training, load_recordings(held_out), seed, progress, limit)
     first, last = found[0], found[-1]
     diagnosis = diagnosis_of(found)
     named = diagnosis.verdict in NAMED
