@@ -107,11 +107,11 @@ def demo(
     page = str(folder / "report.html")
     files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
     with together():
-        if result.steps:
+        if result.added:
             write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
         deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
         _draw_figures(result, folder, force=force)
-    made = "recordings, figures and improved.toml" if result.steps else "recordings and figures"
+    made = "recordings, figures and improved.toml" if result.added else "recordings and figures"
     say(f"\nOpen {page} in a browser; {made} are in the same folder.")
 
 

@@ -65,7 +65,7 @@ def improve(
     written, refused = None, None
     with together():
         try:
-            if not result.steps:
+            if not result.added:
                 pass  # the model as it is says it already
             elif into is None:
                 write_model(better, output, force=force)
@@ -86,6 +86,9 @@ def improve(
 
 def _told(result: Improvement, written: Into | None, output: str) -> str:
     """What was written, or that nothing was."""
-    if not result.steps:
-        return f"Nothing was added, so {output} was not written."
-    return "\n".join(written.lines) if written else f"Wrote {output}."
+    mended = len(result.added) < len(result.kept)
+    if not result.added:
+        why = "The model is not what is wrong" if mended else "Nothing was added"
+        return f"{why}, so {output} was not written."
+    lines = written.lines if written else [f"Wrote {output}."]
+    return "\n".join([*lines, *(["Its error is as above once the gains are corrected."] if mended else ())])

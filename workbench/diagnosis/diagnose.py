@@ -32,7 +32,7 @@ from .findings import (
     refuting_line,
 )
 from .loss import rescored
-from .mend import mend_lines
+from .mend import mend_lines, mend_recordings
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -133,6 +133,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         disagreeing=first.disagreeing,
         trace=first.trace,
         mend=mend_lines(first.model, recordings, findings),
+        mend_recordings=mend_recordings(first.model, recordings, findings),
         by_links=last.by_links if last.of_links else 0.0,
         notes=(
             *before.notes,

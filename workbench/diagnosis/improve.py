@@ -42,7 +42,9 @@ def improve(
             same. The verdict stays ``unexplained``.
 
     Returns:
-        The steps with their errors, and the improved model; the model as given where nothing is added.
+        The steps with their errors, and the improved model; the model as given where nothing is added. Where
+        gains in recordings are wrong, that is a step, and the model is without it: correct the recordings as
+        `Diagnosis.mend` says, or by `with_mended_gains`. Errors are those with these gains corrected.
 
     Raises:
         InputError, SimulationError: as `diagnose`.
@@ -81,10 +83,12 @@ def improve(
         notes=diagnosis.notes,
         nearest=added and not named,
     )
-    ending = "improved" if named else "nearest"
-    if not added:
+    if not improvement.added:
         return improvement, model
-    return improvement, replace(off_drives(end.hypothesis.model, model), name=f"{model.name}_{ending}")
+    better = off_drives(end.hypothesis.model, model)
+    effects = tuple(e for e in better.effects if e.key not in diagnosis.mend_recordings)
+    ending = "improved" if named else "nearest"
+    return improvement, replace(better, effects=effects, name=f"{model.name}_{ending}")
 
 
 def _steps(found: Rounds, diagnosis: Diagnosis) -> tuple[Step, ...]:
