@@ -146,6 +146,8 @@ def read_file(path: Path) -> bytes:
     """
     try:
         return path.read_bytes()
+    except IsADirectoryError as error:
+        raise InputError("is a folder, not a file", file=path, remedy="name the files in it") from error
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
