@@ -6,11 +6,12 @@ import numpy as np
 
 from workbench.core import Recording
 
-from .factors import name_factor
+from .factors import name_factors
 from .result import Remark
 
 _ALIKE = 0.1  # of the reference's size, by which a position may miss its mirror image
 _NO_MATTER = 0.3  # of it, by which it has to miss the reference itself
+_LOOSELY = 0.2  # logarithm of the factor: a loop follows its reference so well, and units are farther apart
 _NO_LOOP = 20.0  # times the reference, or a share of it: no loop that works moves so much or so little
 
 
@@ -33,13 +34,13 @@ def remark_on_references(recording: Recording) -> list[Remark]:
             text = f"Position of '{axis}' is minus its reference: one of them has the wrong sign."
             value = {"signal": "position_reference", "mirror": mirror / size, "plain": plain / size}
             remarks.append(Remark("problem", "sign", axis, text, value))
-        share = float(q @ asked / (asked @ asked))
-        left = float(np.sqrt(np.mean((q - share * asked) ** 2)))
-        meaning = name_factor(share) if left < _ALIKE * abs(share) * size else None
-        if meaning and not 1.0 / _NO_LOOP < abs(share) < _NO_LOOP:
-            text = (
-                f"Reference of '{axis}' is {1.0 / abs(share):.4g} times its position: a mix-up of {meaning}."
-            )
+        moved, wanted = q - q.mean(), asked - asked.mean()  # weight may hold an axis off its reference
+        share = float(moved @ wanted / (wanted @ wanted))
+        meaning = next(iter(name_factors(share, tolerance=_LOOSELY)), None)
+        known = meaning and np.std(moved - share * wanted) < _NO_MATTER * np.std(moved)
+        if known and not 1.0 / _NO_LOOP < abs(share) < _NO_LOOP:
+            about = f"about {1.0 / abs(share):.3g} times its position"
+            text = f"Reference of '{axis}' is {about}: a mix-up of {meaning}."
             value = {"signal": "position_reference", "factor": 1.0 / share, "meaning": meaning}
             remarks.append(Remark("problem", "unit", axis, text, value))
     return remarks
