@@ -17,11 +17,15 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-#: What a new user does first; each ends with exit code 0, in an empty folder.
+#: A robot and a log of somebody who has no clone.
+OWN = ("arm.xml", "sweep.csv")
+#: What a new user does first; each ends with exit code 0, in a folder that has only `OWN`.
 COMMANDS = (
     ("--version",),
     ("check", "leg", "--quiet"),
     ("normalize", "leg", "-o", "leg.xml", "--quiet"),
+    ("import", "sweep.csv", "--model", "arm.xml", "-o", "sweep.toml", "--quiet"),
+    ("compare", "arm.xml", "sweep.toml", "--html", "report.html", "--quiet"),
 )
 
 ASKED = "import venv, ensurepip, sys; print(*sys.version_info[:2], sep='.')"
@@ -74,6 +78,8 @@ def tried(python: Path, package: Path, folder: Path) -> None:
     run([str(python), "-m", "venv", str(folder / "env")], work)
     pip = [str(folder / "env/bin/python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     run([*pip, "-c", str(ROOT / "requirements.lock"), str(package)], work)
+    for name in OWN:
+        shutil.copy(ROOT / "docs/tutorial" / name, work)
     for words in COMMANDS:
         run([str(folder / "env/bin/workbench"), *words], work)
 

@@ -118,8 +118,9 @@ _TX40_KEPT = 10  # of 5 kHz, so that 500 Hz stay
 
 def _tx40_case(coupled: bool, *, links: bool = False) -> Callable[[Path, Path], Case]:
     def case(data: Path, folder: Path) -> Case:
-        """Rough inertias, or what `identify links` makes of them; motor 6 turns with joints 5 and 6, or, as if
-        uncoupled, with joint 6 alone.
+        """Rough inertias, or what `identify links` makes of them; motor 6 turns with joints 5 and 6.
+
+        As if uncoupled, it turns with joint 6 alone.
         """
         source = data / "tx40"
         turned, current = (

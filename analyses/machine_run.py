@@ -17,6 +17,7 @@ from machine_cases import CASES
 
 from workbench import compare, improve, report
 from workbench.core import Comparison, Improvement, Recording
+from workbench.diagnosis import with_mended_gains
 from workbench.models import Model, write_model
 
 
@@ -63,7 +64,9 @@ def answer(name: str, data: Path, folder: Path) -> dict[str, Any]:
 
 def judged(result: Improvement, model: Model, better: Model, unseen: Sequence[Recording]) -> dict[str, Any]:
     """Errors before and after, each with its noise floor, on recordings that were not fitted."""
-    pair = tuple(compare(m, unseen) for m in (model, better)) if unseen else result.held_out
+    assert result.diagnosis is not None  # `improve` always gives it
+    mended = with_mended_gains(unseen, result.diagnosis)
+    pair = (compare(model, unseen), compare(better, mended)) if unseen else result.held_out
     assert pair is not None  # every machine has recordings that judge
     before, after = pair
     if result.nearest and not unseen:  # the errors of what comes nearest are the improvement's

@@ -36,6 +36,29 @@ def test_every_row_of_the_results_is_a_figure_of_the_table(page: str) -> None:
         assert set(NUMBER.findall(nameless)) <= fixed, f"{what}: a number that no command makes"
 
 
+def test_rows_of_long_studies_are_those_of_their_pages() -> None:
+    """What takes hours is not run here: the README agrees with the page that the study wrote."""
+    values = {f["id"]: {v["name"]: v["value"] for v in f.get("values", ())} for f in figure_table.figures()}
+
+    def row(page: str, first: str) -> list[str]:
+        rows = table_rows((ROOT / page).read_text(encoding="utf-8"))
+        return next([c.split(" ±")[0].removesuffix(" %") for c in r] for r in rows if r[0].startswith(first))
+
+    gait = values["gait"]
+    stride = [gait[f"stride_{who}"] for who in ("kin_only", "act", "full", "found", "again")]
+    assert row("docs/transfer.md", "stride frequency [%]")[1:6] == stride
+    chirp, full = values["chirp_clean"], row("docs/transfer-leg.md", "S3N-Full")
+    assert full[-2:] == [chirp["position"], chirp["torque"]]
+    exam = values["exam"]
+    assert f"{exam['single']} of {exam['singles']}" in row("docs/diagnosis.md", "seed 17, all 238")
+    sysid = values["sysid"]
+    for which in ("right", "wrong"):
+        ratio = float(sysid[f"ours_{which}"]) / float(sysid[f"theirs_{which}"])
+        told = row("docs/benchmarks.md", f"error on held-out motion, structure {which}")[2]
+        assert float(told) == pytest.approx(ratio, abs=0.002), which
+    assert row("docs/benchmarks.md", "CPU time")[2] == f"{sysid['least']} to {sysid['most']}"
+
+
 def test_every_value_stands_somewhere_and_every_file_is_there() -> None:
     known = figure_table.figures()
     assert len({f["id"] for f in known}) == len(known)

@@ -56,6 +56,7 @@ def attack(folder: Path, command: tuple, outputs: tuple[str, ...], there: bool) 
             assert re.fullmatch(r"error: \S+: .*No space left on device.*\n", ended.stderr), ended.stderr
             named = ended.stderr.split(": ")[1]
             assert named in outputs and named not in new
+            assert not new or command[0] == "improve", "what fails leaves nothing; improve tells its result"
 
 
 @pytest.mark.usefixtures("improved")

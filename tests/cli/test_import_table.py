@@ -165,7 +165,7 @@ def test_a_log_too_short_is_written_and_said_to_be(tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text(text({k: v[300:320] for k, v in whole.items()}))
     done = run("import", "run.csv", cwd=tmp_path, columns=200)
     assert done.returncode == 0, done.stderr
-    assert "20 rows, 0.095 s: too short for a comparison. The reference is in it." in done.stdout
+    assert "20 rows, 0.095 s: too short for a comparison. The reference is logged too." in done.stdout
     assert "too few rows to tell" in done.stdout and "Next: import a longer log." in done.stdout
     assert "workbench compare" not in done.stdout and (tmp_path / "run.toml").exists()
 

@@ -64,6 +64,20 @@ def test_what_cannot_be_imported_together_is_refused(
     assert not (imported / "new").exists()
 
 
+def test_one_log_that_cannot_be_read_leaves_none_imported(imported: Path) -> None:
+    """The first is written as a TOML file, the second with a table of its own, the third is no table."""
+    (imported / "bad.csv").write_text("t,q\n0,nothing\n")
+    shutil.copy(imported / "check.csv", imported / "semicolons.csv")
+    text = (imported / "check.csv").read_text().replace(",", ";")
+    (imported / "semicolons.csv").write_text(text)
+    before = sorted(imported.rglob("*"))
+    logs = "sweep.csv", "semicolons.csv", "bad.csv"
+    for place in (("-o", "fresh"), ()):
+        ended = run("import", *logs, "--model", "arm.xml", *place, cwd=imported)
+        assert ended.returncode == 2 and "bad.csv" in ended.stderr, ended.stderr
+        assert "Wrote" not in ended.stdout and sorted(imported.rglob("*")) == before
+
+
 def test_models_among_recordings_are_left_out_with_a_note(imported: Path) -> None:
     write_model(load_model(imported / "arm.xml"), imported / "data" / "better.toml", force=True)
     ended = run("inspect", "data/better.toml", "data/check.toml", "data/sweep.toml", cwd=imported)

@@ -10,12 +10,13 @@ import sys
 import textwrap
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from workbench.core import InputError
-from workbench.core.files import write_all, write_whole
+from workbench.core.files import together, write_all, write_whole
 from workbench.core.unfinished import READY, finish
 
 
@@ -70,6 +71,32 @@ def test_one_that_exists_keeps_the_others_from_being_written(tmp_path: Path) -> 
     with pytest.raises(InputError, match="exists"):
         write_all({tmp_path / "a": "new", tmp_path / "b": "new"})
     assert [p.name for p in tmp_path.iterdir()] == ["b"]
+
+
+@pytest.mark.parametrize("failing", ["exists", "twice", "code"])
+def test_a_block_whose_end_is_not_reached_writes_nothing(failing: str, tmp_path: Path) -> None:
+    new, old = tmp_path / "new" / "deep", pair(tmp_path)
+    with pytest.raises((InputError, KeyError)), together():
+        write_all({new / "a": "1", new / "b": "2"})
+        write_whole(tmp_path / "run.csv", "new", force=True)
+        if failing == "exists":
+            write_whole(tmp_path / "run.toml", "new")
+        if failing == "twice":
+            write_whole(new / "a", "3", force=True)
+        raise KeyError
+    kept(old, tmp_path)
+
+
+def test_a_block_is_placed_at_the_end_of_the_outermost(tmp_path: Path) -> None:
+    with together():
+        with together():
+            write_all({tmp_path / "a": "1", tmp_path / "new" / "b": "2"})
+        with suppress(InputError):
+            write_all({tmp_path / "c": "1", tmp_path / "a": "again"}, force=True)
+        assert not (tmp_path / "a").exists() and not (tmp_path / "new" / "b").exists()
+        write_whole(tmp_path / "d", "4")
+    texts = {str(p.relative_to(tmp_path)): p.read_text() for p in tmp_path.rglob("*") if p.is_file()}
+    assert texts == {"a": "1", "new/b": "2", "d": "4"}, "what was refused inside is left out, whole"
 
 
 @pytest.fixture

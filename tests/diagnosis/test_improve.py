@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import workbench as wb
-from workbench.diagnosis import improve
+from workbench.diagnosis import improve, with_mended_gains
 from workbench.effects import load_model
 from workbench.models import Linkage
 from workbench.rigs import HiddenEffect
@@ -37,6 +38,27 @@ def test_what_follows_a_stranger_is_added_only_when_asked_for() -> None:
     assert [e.recording.name for e in after.recordings] == [r.name for r in held_out]
     assert before.error == pytest.approx(node.holdout_error_before, rel=1e-6)
     assert after.error == pytest.approx(node.holdout_error_after, rel=1e-6)
+
+
+def test_gains_that_recordings_state_wrongly_are_left_to_them(tmp_path: Path) -> None:
+    """Beside friction that the model lacks. A model with the gains' effect would err once they are right."""
+    friction = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
+    training, held_out = recordings(friction)
+    named = []
+    for r in (*training, *held_out):
+        c = replace(r.controller, kp=(r.controller.kp[0] / 0.8, r.controller.kp[1]))
+        wb.save_recording(replace(r, controller=c), tmp_path / f"{r.name}.toml")
+        named.append(wb.load_recording(tmp_path / f"{r.name}.toml"))
+    result, better = improve("leg", named[:-1], named[-1:])
+    assert {s.key.effect for s in result.kept} == {"coulomb_friction", "controller_gain_error"}
+    assert [s.key.effect for s in result.added] == ["coulomb_friction"]
+    assert "controller_gain_error" not in {e.key.effect for e in better.effects}
+    assert result.diagnosis is not None and "kp of hip is 62.5 and should be " in result.diagnosis.mend[0]
+    mended = with_mended_gains(named, result.diagnosis)
+    assert mended[0].controller.kp == pytest.approx(training[0].controller.kp, rel=0.01)
+    assert wb.compare(better, mended[:-1]).error == pytest.approx(result.error_after, rel=1e-6)
+    assert wb.compare(better, mended[-1:]).error == pytest.approx(result.holdout_error_after, rel=1e-6)
+    assert wb.compare(better, named[:-1]).error > 2.0 * result.error_after, "the recordings are still wrong"
 
 
 def test_what_only_held_out_motion_shows_is_no_consistent_model() -> None:

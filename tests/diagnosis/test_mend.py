@@ -9,10 +9,18 @@ import numpy as np
 import pytest
 
 from tests.bench_arm import bench_arm
-from workbench.core import Controller, EffectKey, Estimate, Finding, Recording
+from tests.report import build
+from workbench.core import Controller, Diagnosis, EffectKey, Estimate, Finding, Recording
 from workbench.core.toml_line import toml_line
-from workbench.diagnosis.mend import mend_lines
+from workbench.diagnosis.mend import mend_lines, mend_recordings, with_mended_gains
 from workbench.effects import load_model
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    made = build.improvement(seconds=1.0, rate=100.0).diagnosis
+    assert made
+    return made
 
 
 def found(effect: str, axis: str, number: str = "", value: float | None = None, **values: float) -> Finding:
@@ -44,6 +52,25 @@ def test_wrong_gains_lead_to_the_line_of_the_recording(
     first = "correct run0.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
     assert lines[0] == first and "kd" not in " ".join(lines)
     assert len(lines) == 4 and "2 more recordings" in lines[-1]
+
+
+def test_gains_belong_into_the_recordings_that_state_them(tmp_path: Path, diagnosis: Diagnosis) -> None:
+    model, data = load_model(bench_arm(tmp_path)), [recording(tmp_path)]
+    gains = found("controller_gain_error", "lift", kp_scale=0.8, kd_scale=1.5)
+    damping = found("viscous_damping", "lift", "damping", 0.5, damping=0.3)
+    assert mend_recordings(model, data, [gains, damping]) == (gains.key,)
+    silent = replace(data[0], controller=Controller())
+    in_memory = replace(data[0], source=None)
+    for none in ([silent], [in_memory], []):
+        assert mend_recordings(model, none, [gains]) == (), "no recording's file states the gains"
+    assert mend_recordings(model, data, [replace(gains, probability=0.3)]) == (), "another cause is likelier"
+    told = replace(diagnosis, findings=(gains, damping), mend_recordings=(gains.key,))
+    [mended, kept] = with_mended_gains([*data, silent], told)
+    assert mended.controller.kp == pytest.approx((120.0, 120.0, 80.0))
+    assert mended.controller.kd == pytest.approx((6.0, 12.0, 3.0)) and kept is silent
+    cascade = Controller("cascade_pv", kp=(10.0,) * 3, kv=(4.0,) * 3)
+    [mended] = with_mended_gains([replace(data[0], controller=cascade)], told)
+    assert mended.controller.kv == pytest.approx((4.0, 6.0, 4.0)) and mended.controller.kd == ()
 
 
 def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

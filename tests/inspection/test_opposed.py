@@ -36,3 +36,17 @@ def test_a_loop_driven_too_fast_answers_the_other_way_but_less() -> None:
         position=0.3 * np.sin(60 * t) * [1, 1], position_reference=-np.sin(60 * t) * [1, 1]
     )
     assert opposed(away) == []
+
+
+def test_a_reference_in_degrees_beside_radians_is_told() -> None:
+    log = followed()
+    assert log.get("position_reference") is not None
+    for factor, meaning in ((57.29578, "degrees and radians"), (0.001, "milli")):
+        sagging = log.signals["position_reference"] + [0.2 * np.ptp(log.position[:, 0]), 0.0]
+        asked = sagging * [factor, 1.0]
+        remarks = inspect(log.with_signals(position_reference=asked)).recordings[0].remarks
+        [told] = [r for r in remarks if r.topic == "unit" and r.severity == "problem"]
+        assert told.axis == "hip" and meaning in told.text
+        assert told.value["factor"] == pytest.approx(factor, rel=0.1)
+    soft = log.with_signals(position_reference=log.signals["position_reference"] * 10.0)
+    assert not [r for r in inspect(soft).recordings[0].remarks if r.severity == "problem"], "a soft loop"

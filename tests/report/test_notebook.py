@@ -3,10 +3,13 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
 from workbench import compare, inspect, load_model
-from workbench.core import Recording, Recordings
+from workbench.core import Check, Recording, Recordings, Verification
+from workbench.gait import Gait, Interval, Measure
 
 from .browser import NASTY, Page
 
@@ -41,6 +44,35 @@ def test_each_has_a_picture(comparison, diagnosis) -> None:
     assert len(comparison.recordings[0].recording.plot().axes) == 4
 
 
+def test_parts_of_results_have_the_picture_that_says_most(comparison, diagnosis, improvement) -> None:
+    entry, finding, step = comparison.recordings[0], diagnosis.findings[0], improvement.steps[0]
+    quiet = replace(entry, position_rmse=np.array([1.0, 5.0]), torque_rmse=np.array([1.0, 1.0]))
+    quiet = replace(quiet, position_noise=np.ones(2), torque_noise=np.full(2, np.nan))
+    assert "knee" in _head(quiet.plot()) and "hip" in _head(quiet.plot(axis="hip"))
+    for value in (finding, step):
+        labels = [ax.get_ylabel() for ax in value.plot().axes]
+        assert labels == ["torque [N m]", "error"] and "Coulomb friction" in _head(value.plot())
+    [bar] = finding.plot().axes[0].containers
+    assert bar.lines[0].get_xdata()[0] == finding.parameters["torque"].value
+    corrected = replace(finding, number="dry friction", model_value=0.1, total=finding.parameters["torque"])
+    assert len(corrected.plot().axes[1].containers) == 2, "the corrected number, and the model's"
+
+
+def test_a_verification_and_a_gait_have_pictures() -> None:
+    checks = Check("mass_matrix", 2e-9, 1e-8), Check("frf", 3.0, 1.0), Check("jacobian", 0.0, 0.0)
+    axes = Verification("leg $1", checks).plot().axes[0]
+    assert list(axes.collections[0].get_offsets()[:, 0]) == pytest.approx([0.2, 3.0, 1e-8])
+    assert len({tuple(c) for c in axes.collections[0].get_facecolors()}) == 2, "what failed stands out"
+    gap, wide = Interval(1.0, 0.5, 1.5), Interval(0.2, -np.inf, np.inf)
+    gait = Gait("a", "b", "c", (0.3, 0.0), (Measure("stride frequency", "%", gap, wide),), ())
+    assert gait.plot().axes[0].get_ylabel() == "stride frequency [%]"
+    assert [t.get_text() for t in gait.plot().legends[0].texts] == ["gap (95 %)", "hardware again"]
+
+
+def _head(figure: Figure) -> str:
+    return figure.legends[0].get_title().get_text()
+
+
 def test_a_model_shows_its_drives_effects_and_links() -> None:
     model = load_model("leg")
     words = Page(model._repr_html_()).text
@@ -72,6 +104,7 @@ def test_a_shell_prints_a_few_lines_and_no_arrays(comparison, diagnosis, improve
         assert isinstance(value.plot(), Figure)
     parts = (comparison.recordings[0], diagnosis.findings[0], improvement.steps[0], recordings[:1])
     for value in parts:
+        assert isinstance(value.plot(), Figure)
         text = repr(value)
         assert "array(" not in text and "EffectKey" not in text and text.count("\n") < 10
         assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
@@ -85,7 +118,6 @@ def test_one_recording_needs_no_list(comparison) -> None:
     assert [r.recording for r in inspect(recording).recordings] == [recording.name]
     [entry] = compare(load_model("leg"), recording, draws=2).recordings
     assert entry.recording.name == recording.name
-    assert Recordings.of(recording) == Recordings.of([recording])
 
 
 def test_a_model_s_lines_have_what_its_file_states(tmp_path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.core import EffectKey, Estimate, Outlier, Share
 from workbench.report import diagnosis_dict, render_page, sentence
-from workbench.report.answer import near_sentence
+from workbench.report.answer import mend_sentences, near_sentence
 from workbench.report.comparison_words import loop_sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
@@ -222,7 +222,14 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
     )
     page = Page(render_page(told, command="workbench diagnose")).text
     assert f"C{line[1:]}. Correct the file or use the model with the effect, not both" in page
-    assert diagnosis_dict(told)["mend"] == [line]
+    ours = replace(told, mend_recordings=(key,))
+    assert mend_sentences(ours)[1:] == [
+        "Correct gains where they are stated; a model does not need an effect for them."
+    ]
+    assert diagnosis_dict(ours)["mend"] == [line]
+    assert diagnosis_dict(ours)["mend_recordings"] == [
+        {"effect": key.effect, "axis": "lift", "location": "actuator"}
+    ]
     both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
     assert "Something is missing too: Coulomb friction" in both
 

@@ -15,7 +15,7 @@ from .make import environment
 
 def test_vector_environment() -> None:
     if find_spec("gymnasium") is None:
-        with pytest.raises(InputError, match=r"pip install -e '\.\[gym\]'"):
+        with pytest.raises(InputError, match=r"pip install 'robot-workbench\[gym\]'"):
             vector_environment()
         return
     import gymnasium

@@ -28,7 +28,7 @@ class Policy:
         except ImportError as error:
             raise InputError(
                 "policies need ONNX Runtime",
-                remedy="install the extra: pip install -e '.[training]' in the checkout",
+                remedy="install the extra: pip install 'robot-workbench[training]'",
             ) from error
         check_network(bundle.policy, bundle.source)
         options = onnxruntime.SessionOptions()

@@ -16,6 +16,7 @@ from .add import add
 from .approve import approve
 from .can import can
 from .check import check
+from .common import whole
 from .compare import compare
 from .demo import demo
 from .deploy import deploy
@@ -65,9 +66,10 @@ def _program(
 
 
 for _command in (
-    add, approve, check, compare, demo, deploy, diagnose, evaluate, excite, export, fleet, frf, improve,
-    inspect, normalize, record, show, train, ui,
+    add, approve, check, compare, diagnose, evaluate, excite, frf, inspect, normalize, show,
 ):  # fmt: skip
+    app.command()(whole(_command))
+for _command in (demo, deploy, export, fleet, improve, record, train, ui):
     app.command()(_command)
 app.command(name="import")(import_)
 app.add_typer(can)

@@ -16,7 +16,7 @@ from typer import Argument, Option
 from workbench.core.text import counted
 
 from . import options
-from .common import check_outputs, echo, write_result
+from .common import check_outputs, echo, whole, write_result
 from .hidden import HideOption, SetOption
 from .listing import Listing
 
@@ -78,6 +78,7 @@ def _table(loads: Sequence[BusLoad]) -> Table:
 
 
 @can.command()
+@whole
 def dbc(
     config: ConfigArgument,
     output: Annotated[str, options.written("--output", "-o", metavar="FILE", help="The DBC file.")],

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
 from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from workbench.core import InputError, Recording
-from workbench.core.files import check_apart, check_free
+from workbench.core.files import check_apart, check_free, together
 from workbench.core.text import plain
 
 if TYPE_CHECKING:
@@ -83,6 +84,26 @@ def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole:
     _each_once([*training, *(held_out or [])])
     judging = open_sources(held_out, whole=whole) if held_out else []
     return excerpts(open_sources(training, whole=whole), judging)
+
+
+def whole(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command whose files all appear at its end, or none where it fails; exit code 1 is no failure.
+
+    Not for those that read their own files, or that keep what they have where they are interrupted.
+    """
+
+    @wraps(command)
+    def run(*args: Any, **options: Any) -> None:
+        ended = None
+        with together():
+            try:
+                command(*args, **options)
+            except typer.Exit as code:
+                ended = code
+        if ended is not None:
+            raise ended
+
+    return run
 
 
 def check_outputs(*paths: str | None, force: bool) -> None:

@@ -58,6 +58,7 @@ def demo(
     Example: workbench demo my_leg.toml chirp.toml -o out --hide coulomb_friction@knee --set torque=0.3
     """
     from workbench.core import InputError
+    from workbench.core.files import together
     from workbench.diagnosis import improve
     from workbench.effects import load_model
     from workbench.models import write_model
@@ -103,13 +104,14 @@ def demo(
     judging = load_recordings(held_out)
     with progress(quiet) as tell:
         result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
-    if result.steps:
-        write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
     page = str(folder / "report.html")
     files, to = files_of(model, [*training, *judging]), Outputs(json, page, force=force, quiet=quiet)
-    deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
-    _draw_figures(result, folder, force=force)
-    made = "recordings, figures and improved.toml" if result.steps else "recordings and figures"
+    with together():
+        if result.added:
+            write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
+        deliver(result, to, files=files, seeds={"demo": seed}, truth=truth)
+        _draw_figures(result, folder, force=force)
+    made = "recordings, figures and improved.toml" if result.added else "recordings and figures"
     say(f"\nOpen {page} in a browser; {made} are in the same folder.")
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.core import InputError
+from workbench.core.files import together
 
 from .hidden import hidden_in
 from .record_own import experiments_of
@@ -53,13 +54,11 @@ def record_hidden(
     say(
         f"{'Nothing' if clean else 'Something'} is hidden in it; {len(experiments)} experiments are recorded."
     )
-    files = []
-    for number, experiment in enumerate(experiments):
-        file = folder / "recordings" / f"{experiment.name}.toml"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        save_recording(rig.run(experiment, number), file, compress=True, force=force)
-        files.append(str(file))
-    return model, files, effects
+    files = [folder / "recordings" / f"{experiment.name}.toml" for experiment in experiments]
+    with together():
+        for number, (experiment, file) in enumerate(zip(experiments, files, strict=True)):
+            save_recording(rig.run(experiment, number), file, compress=True, force=force)
+    return model, list(map(str, files)), effects
 
 
 def _as_its_mechanism(model: Model, say: Callable[[str], Any]) -> Model:

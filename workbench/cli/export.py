@@ -34,7 +34,7 @@ def export(
     except ImportError as error:
         raise InputError(
             f"export needs {error.name}",
-            remedy="install the extra: pip install -e '.[training]' in the checkout",
+            remedy="install the extra: pip install 'robot-workbench[training]'",
         ) from error
     check_outputs(output, json, force=force)
     path = write(run, output, force=force)

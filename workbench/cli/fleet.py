@@ -63,6 +63,7 @@ def fleet(
     Example: workbench fleet 'logs/**/*.toml' --model 'leg-*=leg' --model 'arm-*=arms' -o found --jobs 8
     """
     from workbench import report
+    from workbench.core.files import together
     from workbench.fleet import (
         files_read,
         find_robots,
@@ -82,9 +83,10 @@ def fleet(
     files = files_read(robots)
     if not quiet and json != "-":
         report.print_table(fleet_table(found))
-    if json:
-        write_result(fleet_dict(found), json, files=files, seeds={"noise": seed}, force=force)
-    if html:
-        deliver_sheet(fleet_sheet(found), html, files=files, seeds={"noise": seed}, force=force)
+    with together():
+        if json:
+            write_result(fleet_dict(found), json, files=files, seeds={"noise": seed}, force=force)
+        if html:
+            deliver_sheet(fleet_sheet(found), html, files=files, seeds={"noise": seed}, force=force)
     if found.failed:
         raise typer.Exit(1)

@@ -92,7 +92,8 @@ def begin(context: typer.Context, quiet: bool) -> bool:
     for left in list(_running):  # a command line that was refused behind `--quiet` never ran, nor ended
         _end(left)
     if not quiet and not context.resilient_parsing:
-        text = context.command_path.partition(" ")[2] or context.command_path
+        program = context.find_root().command_path  # "workbench", or "python -m workbench"
+        text = context.command_path.removeprefix(program).strip() or program
         heart = Heartbeat(text, first=FIRST_S, every=EVERY_S)
         _running.append(heart)
         context.call_on_close(lambda: _end(heart))

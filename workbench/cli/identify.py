@@ -20,6 +20,7 @@ from .common import (
     keep_inputs,
     open_pair,
     read_recordings,
+    whole,
     write_result,
 )
 from .deliver import deliver_sheet
@@ -52,6 +53,7 @@ _Figure = Annotated[
 
 
 @identify.command()
+@whole
 def actuator(
     recordings: options.Recordings,
     model: _Base = "leg_kin_only",
@@ -92,6 +94,7 @@ def actuator(
 
 
 @identify.command()
+@whole
 def leg(
     recordings: options.Recordings,
     model: _Base = "leg_kin_only",
@@ -153,6 +156,7 @@ def leg(
 
 
 @identify.command()
+@whole
 def links(
     model: options.Model,
     recordings: options.Recordings,

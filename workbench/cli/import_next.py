@@ -30,7 +30,10 @@ def next_step(
     """
     wrong = [remark for remark in remarks if remark.severity == "problem"]
     if wrong:
-        ways = dict.fromkeys(_way(remark, description) for remark in wrong)
+        first = {remark.topic: remark for remark in reversed(wrong)}  # one example of each kind
+        ways = dict.fromkeys(
+            _way(first[topic], description) for topic in dict.fromkeys(r.topic for r in wrong)
+        )
         return f"Next: {'; '.join(ways)}. Then: workbench inspect {target}"
     if short:
         return "Next: import a longer log."
@@ -57,7 +60,8 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
     if remark.topic == "zero":
         return "add the offsets in [columns], e.g. {column = 'NAME', offset = NUMBER}, in the unit of [units]"
     if remark.topic == "unit":
-        return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = 2.0}}"
+        scale = f"{1.0 / abs(remark.value['factor']):.4g}" if remark.value.get("factor") else "NUMBER"
+        return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = {scale}}}"
     if "rate_hz" in remark.value:
         return f"correct the clock, e.g. --rate {remark.value['rate_hz']:.4g} --force if no column is time"
     return "correct the log, or its [columns], [units] and [controller]"

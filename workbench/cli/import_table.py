@@ -26,17 +26,23 @@ def import_table(
     json: str | None = None,
     force: bool = False,
     quiet: bool = False,
-) -> Answers:
+) -> None:
     """Propose, ask, write, and show.
-
-    Returns:
-        The answers with what was asked, for logs that are alike.
 
     Raises:
         InputError: the file cannot be read, or a question is open and nobody is there to ask.
     """
+    if told := _imported(path, output, answers, yes, model, json, force, quiet)[1]:
+        echo(told)
+
+
+def _imported(
+    path: Path, output: str, answers: Answers, yes: bool, model: str | None, json: str | None, force: bool,
+    quiet: bool,
+) -> tuple[Answers, str]:  # fmt: skip
+    """Import one log; return the answers with what was asked, and what to tell once its files are there."""
     from workbench import report
-    from workbench.core.files import check_free
+    from workbench.core.files import check_free, together
     from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
@@ -56,29 +62,30 @@ def import_table(
         likeliest=yes,
     )
     proposal, recording = complete(proposal, table, answers)
-    written = write(proposal, table, target, force=force)
-    found = inspect([recording])
+    found = inspect(recording)
     if model:
         found = with_model(found, model, recording)
-    if json:
-        read = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-        read += read_model(model).files if model else []
-        write_result(proposal_dict(proposal, written, found), json, files=read, force=force)
-    if not quiet and json != "-":
-        from workbench.inspection.inspect import FEW
+    with together():
+        written = write(proposal, table, target, force=force)
+        if json:
+            read = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+            read += read_model(model).files if model else []
+            write_result(proposal_dict(proposal, written, found), json, files=read, force=force)
+    if silent:
+        return answers, ""
+    from workbench.inspection.inspect import FEW
 
-        from .import_next import next_step
-        from .import_tables import proposal_tables
+    from .import_next import next_step
+    from .import_tables import proposal_tables
 
-        report.print_table(proposal_tables(proposal, recording, found))
-        echo(f"Wrote {' and '.join(str(f) for f in written)}.")
-        remarks = found.recordings[0].remarks
-        short = len(recording) < FEW
-        looped = bool(proposal.description.get("controller")) or (
-            answers.loop and "position_reference" in recording.signals
-        )
-        echo(next_step(proposal.description, remarks, target, model, short=short, looped=looped))
-    return answers
+    report.print_table(proposal_tables(proposal, recording, found))
+    remarks = found.recordings[0].remarks
+    looped = bool(proposal.description.get("controller")) or (
+        answers.loop and "position_reference" in recording.signals
+    )
+    short = len(recording) < FEW
+    told = next_step(proposal.description, remarks, target, model, short=short, looped=looped)
+    return answers, f"Wrote {' and '.join(map(str, written))}.\n{told}"
 
 
 def import_several(
@@ -92,7 +99,7 @@ def import_several(
     force: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Import similar logs: an answer for one log holds for the following ones.
+    """Import similar logs, all or none of them: an answer for one log holds for the following ones.
 
     Args:
         paths: the logs, in order.
@@ -101,7 +108,7 @@ def import_several(
     Raises:
         InputError: as `import_table`; two logs would have one recording; or JSON, which is of one log.
     """
-    from workbench.core.files import check_free
+    from workbench.core.files import check_free, together
 
     if json:
         raise InputError("--json is of one log", remedy="import one at a time, or leave --json out")
@@ -117,10 +124,13 @@ def import_several(
                 "two logs would have this one recording", file=target, remedy="import them one by one"
             )
         check_free(target, force=force)
-    if folder:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    for path, target in zip(paths, targets, strict=True):
-        answers = import_table(path, str(target), answers, yes=yes, model=model, force=force, quiet=quiet)
+    told: list[str] = []
+    with together():
+        for path, target in zip(paths, targets, strict=True):
+            answers, line = _imported(path, str(target), answers, yes, model, None, force, quiet)
+            told.append(line)
+    if not quiet:
+        echo("\n".join(told))
 
 
 def default_output(path: Path) -> Path:

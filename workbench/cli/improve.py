@@ -41,6 +41,7 @@ def improve(
 
     Into your own file: workbench improve arm.xml run.toml --into arm.xml -o arm_fixed.xml
     """
+    from workbench.core.files import together
     from workbench.diagnosis import improve as run
     from workbench.effects import load_model
     from workbench.models import write_model
@@ -60,27 +61,23 @@ def improve(
         result, better = run(
             loaded, data.training, data.held_out, seed=seed, nearest=nearest, progress=staged(tell)
         )
+    problems = data_problems(loaded, measured) if result.steps else ()
     written, refused = None, None
-    try:
-        if not result.steps:
-            pass  # the model as it is says it already
-        elif into is None:
-            write_model(better, output, force=force)
-        else:
-            written = Into.of(loaded, better, into, output)
-            written.write(force=force)
-    except WorkbenchError as error:  # what was found in minutes is still told
-        refused = error
-    problems = data_problems(loaded, [*data.training, *data.held_out]) if result.steps else ()
-    notes = [*problems, *result.notes, *data.notes, *(written.notes if written else ())]
-    result = replace(result, used=data.share, notes=tuple(notes))
-    deliver(
-        result,
-        to,
-        files=files_of(loaded, [*data.training, *data.held_out]),
-        seeds={"noise": seed},
-        more=written.as_dict if written else None,
-    )
+    with together():
+        try:
+            if not result.added:
+                pass  # the model as it is says it already
+            elif into is None:
+                write_model(better, output, force=force)
+            else:
+                written = Into.of(loaded, better, into, output)
+                written.write(force=force)
+        except WorkbenchError as error:  # what was found in minutes is still told
+            refused = error
+        notes = [*problems, *result.notes, *data.notes, *(written.notes if written else ())]
+        result = replace(result, used=data.share, notes=tuple(notes))
+        more = written.as_dict if written else None
+        deliver(result, to, files=files_of(loaded, measured), seeds={"noise": seed}, more=more)
     if refused is not None:
         raise refused
     if to.printed:
@@ -89,6 +86,9 @@ def improve(
 
 def _told(result: Improvement, written: Into | None, output: str) -> str:
     """What was written, or that nothing was."""
-    if not result.steps:
-        return f"Nothing was added, so {output} was not written."
-    return "\n".join(written.lines) if written else f"Wrote {output}."
+    mended = len(result.added) < len(result.kept)
+    if not result.added:
+        why = "The model is not what is wrong" if mended else "Nothing was added"
+        return f"{why}, so {output} was not written."
+    lines = written.lines if written else [f"Wrote {output}."]
+    return "\n".join([*lines, *(["Its error is as above once the gains are corrected."] if mended else ())])

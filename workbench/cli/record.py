@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from workbench.core import InputError
+from workbench.core.files import together
 
 from . import complete, options
 from .common import check_outputs, echo, write_result
@@ -215,10 +216,10 @@ def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) ->
                 )
             command = {trial.name: signals["torque_feedforward"][:, 0]}
             recordings += VirtualBench(seed + len(recordings)).run(command, design.excitation(k))
-    folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{recording.name}.toml" for recording in recordings]
-    for recording, file in zip(recordings, files, strict=True):
-        save_recording(recording, file, compress=True, force=force)
+    with together():
+        for recording, file in zip(recordings, files, strict=True):
+            save_recording(recording, file, compress=True, force=force)
     return files
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workbench.core import InputError
-from workbench.core.files import check_free
+from workbench.core.files import check_free, together
 
 from .common import echo
 from .hidden import hidden_in
@@ -55,9 +55,9 @@ def record_own(
     if not quiet:
         echo(described(model))
     recordings = [rig.run(experiment, number) for number, experiment in enumerate(chosen)]
-    folder.mkdir(parents=True, exist_ok=True)
-    for recording, file in zip(recordings, files, strict=True):
-        save_recording(recording, file, compress=True, force=force)
+    with together():
+        for recording, file in zip(recordings, files, strict=True):
+            save_recording(recording, file, compress=True, force=force)
     return files
 
 

@@ -125,7 +125,7 @@ def train(
     except ImportError as error:
         raise InputError(
             f"training needs {error.name}",
-            remedy="install the extra: pip install -e '.[training]' in the checkout",
+            remedy="install the extra: pip install 'robot-workbench[training]'",
         ) from error
     shown = not quiet and json != "-"
     wanted = load_task(Path(task)) if own else TASKS[task]

@@ -40,7 +40,7 @@ def ui(
     """
     if importlib.util.find_spec("panel") is None:
         raise InputError(
-            "the live workbench needs Panel", remedy="install it: pip install -e '.[ui]' in the checkout"
+            "the live workbench needs Panel", remedy="install it: pip install 'robot-workbench[ui]'"
         )
     from workbench.ui import Bench, Shelf
 

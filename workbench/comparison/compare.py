@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from workbench.core import HOPELESS, Comparison, Recording, Recordings, SimulationError
+from workbench.core import HOPELESS, Comparison, InputError, Recording, SimulationError
+from workbench.effects import load_model
 from workbench.models import Model
+from workbench.recordings import Source, load_recordings
 from workbench.s3n import on_drives
 from workbench.simulation import runs_in_loop
 
@@ -23,23 +26,25 @@ from .standing import on_ground
 
 
 def compare(
-    model: Model, recordings: Recording | Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
+    model: Model | str | Path, recordings: Source | Iterable[Source], *, draws: int = DRAWS, seed: int = 0
 ) -> Comparison:
     """Return the comparison of a model with recordings: error, noise floor, and where the error is.
 
     Args:
-        model: what we believe.
-        recordings: what was measured, one or several; loops of kind ``unknown`` are compared by inverse
-            dynamics.
+        model: what we believe, or its file or name.
+        recordings: what was measured, one or several, or their files; loops of kind ``unknown`` are compared
+            by inverse dynamics.
         draws: noise simulations behind the floor.
         seed: of those.
 
     Raises:
-        InputError: recordings that do not fit the model.
+        InputError: a file that cannot be read, no recording, or recordings that do not fit the model.
         SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
             all that was measured.
     """
-    recordings = Recordings.of(recordings)
+    if draws < 1:
+        raise InputError(f"is {draws}", column="draws", remedy="give at least 1: the floor comes from them")
+    model, recordings = load_model(model), load_recordings(recordings, some=True)
     known = not any(needs_inverse(model, r) for r in recordings)
     if model.posture_dependent and not (known and runs_in_loop(model)):
         model = on_drives(model)  # which is compared along the measured motion

@@ -49,6 +49,8 @@ class Diagnosis(Shown):
         disagreeing: recordings that an effect explains with a size of its own each.
         trace: what was tried, in this order.
         mend: stated numbers that are wrong, with file, line, and what they should be, one line each.
+        mend_recordings: findings that are wrong gains of recordings: `mend` says what to write there, and a
+            model does not need them.
         by_links: share of the torque that stays which several wrong numbers of the links explain together, of
             which none has a name; 0 where that is not shown.
     """
@@ -79,6 +81,7 @@ class Diagnosis(Shown):
     disagreeing: tuple[Disagreement, ...] = ()
     trace: tuple[Tried, ...] = ()
     mend: tuple[str, ...] = ()
+    mend_recordings: tuple[EffectKey, ...] = ()
     by_links: float = 0.0
 
 

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
-import tempfile
 import threading
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .unfinished import finish, place
+from .unfinished import Stage
+
+
+def as_path(given: Any, what: str, remedy: str = "give one, or name its file") -> Path:
+    """Return the path of a file that a caller names, as text or as a path.
+
+    Args:
+        given: what was passed as that name.
+        what: what is expected, such as ``"a model"``, ``"a recording"``.
+        remedy: what to pass.
+
+    Raises:
+        InputError: `given` is nothing that names a file.
+    """
+    if isinstance(given, str | os.PathLike):
+        return Path(given)
+    kind = "None" if given is None else f"a value of type {type(given).__name__}"
+    raise InputError(f"{what} is expected, not {kind}", remedy=remedy)
 
 
 def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> Path:
@@ -32,12 +48,12 @@ def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> 
 
 
 def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list[Path]:
-    """Write files of one folder that belong together, all of them or none.
+    """Write files that belong together, all of them or none; inside `together`, with all others of it.
 
     Whatever goes wrong before the last byte is on the disk leaves what was there before. An interrupt waits
-    until all are in their places. A process that is killed leaves at most one hidden folder behind, which
-    ends in ``.part``: one named after the first file holds what was not complete, and nobody takes notice of
-    it; what was complete is put into its places by whoever reads or writes there next (`finish`).
+    until all are in their places. A process that is killed leaves at most one hidden folder beside the files,
+    which ends in ``.part``: one named after the first file holds what was not complete, and nobody takes
+    notice of it; what was complete is put into its places by whoever reads or writes there next (`finish`).
 
     Returns:
         The paths written.
@@ -45,25 +61,49 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
     Raises:
         InputError: one exists and `force` is not set, or the folder cannot be written.
     """
-    targets = list(files)
-    for target in targets:
-        check_free(target, force=force)
-    folder = targets[0].parent
-    with _uninterrupted(), saying(targets[0]):
-        stage: Path | None = None
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            finish(folder)
-            stage = Path(tempfile.mkdtemp(dir=folder, prefix=f".{targets[0].name[:100]}.", suffix=".part"))
-            staged = [_written(stage / str(i), data) for i, data in enumerate(files.values())]
-            if len(targets) == 1:
-                os.replace(staged[0], targets[0])
-            else:
-                place(stage, [target.name for target in targets])
-        finally:
-            if stage is not None:
-                shutil.rmtree(stage, ignore_errors=True)
-    return targets
+    with _uninterrupted(), together(), saying(next(iter(files))):
+        stages = _open.get()
+        assert stages is not None
+        for target in files:
+            check_free(target, force=force)
+            if target.parent in stages and target.name in stages[target.parent].names:
+                raise InputError("is written twice", file=target, remedy="choose another name")
+        for folder in {target.parent: None for target in files}:
+            stages.setdefault(folder, Stage(folder)).add(
+                {target.name: data for target, data in files.items() if target.parent == folder}
+            )
+    return list(files)
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """Whatever `write_all` writes inside this block appears at its end: all of it, or nothing after an error.
+
+    A block inside another one is a part of it. Files that are not in their places cannot be read yet. All are
+    on the disk before the first is renamed; several folders are served one after the other.
+
+    Raises:
+        InputError: a folder cannot be written.
+    """
+    if _open.get() is not None:
+        yield
+        return
+    stages: dict[Path, Stage] = {}
+    before = _open.set(stages)
+    try:
+        yield
+        with _uninterrupted():
+            for stage in filter(lambda stage: stage.names, stages.values()):
+                with saying(stage.folder / stage.names[0]):
+                    stage.place()
+    finally:
+        _open.reset(before)
+        for stage in reversed(stages.values()):
+            stage.clear()
+
+
+#: Files that wait for the end of the block, by folder; None outside of one.
+_open: ContextVar[dict[Path, Stage] | None] = ContextVar("open", default=None)
 
 
 @contextmanager
@@ -77,15 +117,6 @@ def saying(file: str | Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(f"cannot write: {error.strerror or error}", file=file) from error
-
-
-def _written(path: Path, data: str | bytes) -> Path:
-    """Return a file with this content, which is on the disk when this returns."""
-    with path.open("wb") as stream:
-        stream.write(data.encode() if isinstance(data, str) else data)
-        stream.flush()
-        os.fsync(stream.fileno())
-    return path
 
 
 @contextmanager
@@ -115,6 +146,8 @@ def read_file(path: Path) -> bytes:
     """
     try:
         return path.read_bytes()
+    except IsADirectoryError as error:
+        raise InputError("is a folder, not a file", file=path, remedy="name the files in it") from error
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error

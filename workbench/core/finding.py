@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .shown import Told
+from .shown import Shown
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class EffectKey:
 
 
 @dataclass(frozen=True, repr=False)
-class Finding(Told):
+class Finding(Shown):
     """One effect that explains the data.
 
     Attributes:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from .diagnosis import Diagnosis, Verdict
 from .finding import EffectKey, Estimate
 from .results import Comparison
-from .shown import Shown, Told
+from .shown import Shown
 
 
 @dataclass(frozen=True, repr=False)
-class Step(Told):
+class Step(Shown):
     """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
 
     key: EffectKey
@@ -51,12 +51,21 @@ class Improvement(Shown):
 
     @property
     def kept(self) -> tuple[Step, ...]:
-        """Return the steps whose effects the last model has: those that no later step made needless."""
+        """Return the steps that count at the end: those that no later step made needless."""
         return tuple(
             step
             for i, step in enumerate(self.steps)
             if not any(step.key in later.removed for later in self.steps[i + 1 :])
         )
+
+    @property
+    def added(self) -> tuple[Step, ...]:
+        """Return the steps whose effects the improved model has: `kept`, without wrong numbers of recordings.
+
+        The errors of all steps are those with these numbers corrected.
+        """
+        mended = self.diagnosis.mend_recordings if self.diagnosis is not None else ()
+        return tuple(step for step in self.kept if step.key not in mended)
 
 
 #: What `compare`, `diagnose` and `improve` return.

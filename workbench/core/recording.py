@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -212,11 +212,6 @@ def _readonly(array: FloatArray) -> FloatArray:
 
 class Recordings(Shown, list[Recording]):
     """Several recordings: a list that shells and notebooks show in a few lines."""
-
-    @classmethod
-    def of(cls, given: Recording | Iterable[Recording]) -> Recordings:
-        """Return recordings as a list, or one recording as a list of one."""
-        return cls([given] if isinstance(given, Recording) else given)
 
     @overload
     def __getitem__(self, index: SupportsIndex) -> Recording: ...

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from .recording import Recording
-from .shown import Shown, Told
+from .shown import Shown
 
 FORMAT = 1
 
 
 @dataclass(frozen=True, repr=False)
-class RecordingError(Told):
+class RecordingError(Shown):
     """The distance between one recording and its simulation.
 
     Arrays over axes have shape (n,); NaN where the signal was not measured.

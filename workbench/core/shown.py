@@ -44,8 +44,8 @@ class Summary:
         return f"<div><p><strong>{html.escape(self.title)}</strong>{told}</p>{tables}</div>"
 
 
-class Told:
-    """A value that shells and notebooks show in a few lines.
+class Shown:
+    """A value that shells and notebooks show in a few lines, and that has a picture.
 
     The module that says how is loaded by its name when it is needed: values know nothing of pages.
     """
@@ -57,10 +57,6 @@ class Told:
 
     def _repr_html_(self) -> str:
         return import_module(self._shown_by).summary(self).html
-
-
-class Shown(Told):
-    """A value that shells and notebooks show in a few lines, and that has a picture."""
 
     def plot(self, **options: Any) -> Any:
         """A matplotlib figure of what matters most; `options` are those of the module's ``as_figure``."""

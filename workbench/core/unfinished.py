@@ -11,8 +11,11 @@ import errno
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Sequence
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import InputError
@@ -23,11 +26,60 @@ _NAMES = "names.json"
 _TAKEN = errno.ENOTEMPTY, errno.EEXIST  # whoever was there may have gone since: only the error tells
 
 
+@dataclass
+class Stage:
+    """Files called ``0``, ``1``, ... in a hidden folder, which wait for their `names` in `folder`.
+
+    `made`: folders that were made for them, the innermost first.
+    """
+
+    folder: Path
+    hidden: Path | None = None
+    names: list[str] = field(default_factory=list)
+    made: list[Path] = field(default_factory=list)
+
+    def add(self, files: Mapping[str, str | bytes]) -> None:
+        """Write files here, which are on the disk when this returns; if one fails, none of them is kept.
+
+        Raises:
+            OSError: the folder cannot be written.
+        """
+        if self.hidden is None:
+            self.made = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
+            self.folder.mkdir(parents=True, exist_ok=True)
+            finish(self.folder)
+            prefix = f".{next(iter(files))[:100]}."
+            self.hidden = Path(tempfile.mkdtemp(dir=self.folder, prefix=prefix, suffix=".part"))
+        for k, data in enumerate(files.values(), len(self.names)):
+            with (self.hidden / str(k)).open("wb") as stream:
+                stream.write(data.encode() if isinstance(data, str) else data)
+                stream.flush()
+                os.fsync(stream.fileno())
+        self.names += files
+
+    def place(self) -> None:
+        """Move all files to their places; errors are those of `place`."""
+        assert self.hidden is not None and self.names
+        if len(self.names) == 1:
+            os.replace(self.hidden / "0", self.folder / self.names[0])
+        else:
+            place(self.hidden, self.names)
+
+    def clear(self) -> None:
+        """Remove the hidden folder, and folders that were made for it where they are empty."""
+        if self.hidden is not None:
+            shutil.rmtree(self.hidden, ignore_errors=True)
+        for folder in self.made:
+            with suppress(OSError):
+                folder.rmdir()
+
+
 def place(stage: Path, names: Sequence[str]) -> None:
     """Move files of a hidden folder, called ``0``, ``1``, ..., to these names beside it, all of them.
 
     Raises:
         OSError: the folder cannot be written; before the first file is in its place.
+        InputError: it cannot be written any more; as `finish`.
     """
     with (stage / _NAMES).open("w", encoding="utf-8") as stream:
         json.dump(list(names), stream)
@@ -43,7 +95,9 @@ def place(stage: Path, names: Sequence[str]) -> None:
                 if error.errno not in _TAKEN:
                     raise
                 finish(stage.parent)  # another process is at it, or was killed at it
-        _finish(ready)
+        with suppress(OSError):  # it is decided that all are placed: what fails is tried again
+            _finish(ready)
+    finish(stage.parent)
 
 
 def finish(folder: str | Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .shown import Told
+from .shown import Shown
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Check:
 
 
 @dataclass(frozen=True, repr=False)
-class Verification(Told):
+class Verification(Shown):
     """A model compared with its own closed chain, in every engine.
 
     Attributes:
@@ -56,8 +56,6 @@ class Verification(Told):
     radius: np.ndarray = field(default_factory=lambda: np.zeros(0))
     facts: Mapping[str, tuple[float, str, str]] = field(default_factory=dict)
     not_checked: tuple[str, ...] = ()
-
-    _shown_by = "workbench.report.verification"
 
     @property
     def passed(self) -> bool:

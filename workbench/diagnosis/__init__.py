@@ -5,6 +5,7 @@ from .diagnose import diagnose
 from .fitting.normal_equations import Normal, jackknife, total
 from .improve import improve as improve
 from .link_equations import LinkEquations, link_equations
+from .mend import with_mended_gains
 from .one_effect import fit_effect
 
 __all__ = [
@@ -17,4 +18,5 @@ __all__ = [
     "jackknife",
     "link_equations",
     "total",
+    "with_mended_gains",
 ]

@@ -4,16 +4,18 @@ next.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import prod
+from pathlib import Path
 
 import numpy as np
 
 from workbench.comparison import softness_note
-from workbench.core import Diagnosis, EffectKey, Finding, Recording, Recordings, Verdict
-from workbench.effects import SETTINGS, OfBody, effect_named, link_of
+from workbench.core import Diagnosis, EffectKey, Finding, Verdict
+from workbench.effects import SETTINGS, OfBody, effect_named, link_of, load_model
 from workbench.models import Model, springs
+from workbench.recordings import Source, load_recordings
 
 from .acceptance import contradicts_holdout
 from .checks.units import doubted, state_units
@@ -30,7 +32,7 @@ from .findings import (
     refuting_line,
 )
 from .loss import rescored
-from .mend import mend_lines
+from .mend import mend_lines, mend_recordings
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -54,9 +56,9 @@ _WEIGHT = "the torque bias on {} may instead come from a crank or rod with anoth
 
 
 def diagnose(
-    model: Model,
-    training: Recording | Sequence[Recording],
-    held_out: Recording | Sequence[Recording] = (),
+    model: Model | str | Path,
+    training: Source | Iterable[Source],
+    held_out: Source | Iterable[Source] = (),
     *,
     seed: int = 0,
     progress: Progress = lambda text: None,
@@ -64,17 +66,19 @@ def diagnose(
     """Return the physical effects that are missing from a model: which, how large, and how sure.
 
     Args:
-        model: what we believe.
-        training: recordings to fit, one or several.
+        model: what we believe, or its file or name.
+        training: recordings to fit, one or several, or their files.
         held_out: recordings that only test the fit; without them, folds of the training data do.
         seed: of the noise simulations.
         progress: told what is being done.
 
     Raises:
-        InputError: recordings that do not fit the model, or that show neither loop nor torque.
+        InputError: a file that cannot be read, no recording, or recordings that do not fit the model, or that
+            show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    return diagnosis_of(rounds(model, Recordings.of(training), Recordings.of(held_out), seed, progress))
+    model, training = load_model(model), load_recordings(training, some=True)
+    return diagnosis_of(rounds(model, training, load_recordings(held_out), seed, progress))
 
 
 def diagnosis_of(found: Rounds) -> Diagnosis:
@@ -129,6 +133,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         disagreeing=first.disagreeing,
         trace=first.trace,
         mend=mend_lines(first.model, recordings, findings),
+        mend_recordings=mend_recordings(first.model, recordings, findings),
         by_links=last.by_links if last.of_links else 0.0,
         notes=(
             *before.notes,

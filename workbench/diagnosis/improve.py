@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
-from workbench.core import Diagnosis, Improvement, Recording, Recordings, Step, Verdict
+from workbench.core import Diagnosis, Improvement, Step, Verdict
+from workbench.effects import load_model
 from workbench.models import Model
+from workbench.recordings import Source, load_recordings
 from workbench.s3n import off_drives
 
 from .diagnose import diagnosis_of
@@ -17,9 +20,9 @@ from .verdict import NAMED, refuted
 
 
 def improve(
-    model: Model,
-    training: Recording | Sequence[Recording],
-    held_out: Recording | Sequence[Recording] = (),
+    model: Model | str | Path,
+    training: Source | Iterable[Source],
+    held_out: Source | Iterable[Source] = (),
     *,
     seed: int = 0,
     limit: int | None = None,
@@ -29,8 +32,8 @@ def improve(
     """Return the steps of an improvement, and the model with all effects that explain the data.
 
     Args:
-        model: what we believe.
-        training: recordings to fit, one or several.
+        model: what we believe, or its file or name.
+        training: recordings to fit, one or several, or their files.
         held_out: recordings that only test the fit.
         seed: of the noise simulations.
         progress: told what is being done.
@@ -39,12 +42,15 @@ def improve(
             same. The verdict stays ``unexplained``.
 
     Returns:
-        The steps with their errors, and the improved model; the model as given where nothing is added.
+        The steps with their errors, and the improved model; the model as given where nothing is added. Where
+        gains in recordings are wrong, that is a step, and the model is without it: correct the recordings as
+        `Diagnosis.mend` says, or by `with_mended_gains`. Errors are those with these gains corrected.
 
     Raises:
         InputError, SimulationError: as `diagnose`.
     """
-    found = rounds(model, Recordings.of(training), Recordings.of(held_out), seed, progress, limit)
+    model, training = load_model(model), load_recordings(training, some=True)
+    found = rounds(model, training, load_recordings(held_out), seed, progress, limit)
     first, last = found[0], found[-1]
     diagnosis = diagnosis_of(found)
     named = diagnosis.verdict in NAMED
@@ -77,10 +83,12 @@ def improve(
         notes=diagnosis.notes,
         nearest=added and not named,
     )
-    ending = "improved" if named else "nearest"
-    if not added:
+    if not improvement.added:
         return improvement, model
-    return improvement, replace(off_drives(end.hypothesis.model, model), name=f"{model.name}_{ending}")
+    better = off_drives(end.hypothesis.model, model)
+    effects = tuple(e for e in better.effects if e.key not in diagnosis.mend_recordings)
+    ending = "improved" if named else "nearest"
+    return improvement, replace(better, effects=effects, name=f"{model.name}_{ending}")
 
 
 def _steps(found: Rounds, diagnosis: Diagnosis) -> tuple[Step, ...]:

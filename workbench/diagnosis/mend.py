@@ -10,7 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Controller, Estimate, Finding, InputError, Recording
+from workbench.core import (
+    Controller,
+    Diagnosis,
+    EffectKey,
+    Estimate,
+    Finding,
+    InputError,
+    Recording,
+    Recordings,
+)
 from workbench.core.toml_line import toml_line
 from workbench.effects import Change, into_file
 from workbench.models import AppliedEffect, Model
@@ -51,17 +60,62 @@ def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence
     return tuple(dict.fromkeys(lines))
 
 
+def mend_recordings(
+    model: Model, recordings: Sequence[Recording], findings: Sequence[Finding]
+) -> tuple[EffectKey, ...]:
+    """Return the findings that are wrong gains of recordings and are corrected there (`mend_lines`)."""
+    stating = [r for r in recordings if _states_gains(r)]
+    return tuple(
+        f.key
+        for f in findings
+        if f.key.effect == _GAINS and stating and mend_lines(model, stating, [f])
+    )  # fmt: skip
+
+
+def with_mended_gains(recordings: Sequence[Recording], diagnosis: Diagnosis) -> Recordings:
+    """Return recordings with the gains that a diagnosis says to write in their files.
+
+    Args:
+        recordings: of the machine that was diagnosed, used for it or not; with all axes of the model.
+        diagnosis: whose `mend_recordings` are taken.
+    """
+    out = list(recordings)
+    for finding in (f for f in diagnosis.findings if f.key in diagnosis.mend_recordings):
+        for i, (recording, c) in enumerate((r, r.controller) for r in out):
+            if _states_gains(recording) and finding.key.axis in recording.axes:
+                axis = recording.axes.index(finding.key.axis)
+                gains = {
+                    name: _scaled(getattr(c, name), axis, finding.parameters[scale].value)
+                    for name, scale in _scales(c)
+                    if scale in finding.parameters
+                }
+                out[i] = replace(recording, controller=replace(c, **gains))
+    return Recordings(out)
+
+
+def _states_gains(recording: Recording) -> bool:
+    return recording.controller.kind != "unknown" and recording.source is not None
+
+
+def _scales(controller: Controller) -> tuple[tuple[str, str], ...]:
+    """Return the gains of a loop that may be wrong, each with the parameter of the effect that scales it."""
+    return ("kp", "kp_scale"), ("kv" if controller.kind == "cascade_pv" else "kd", "kd_scale")
+
+
+def _scaled(gains: tuple[float, ...], axis: int, scale: float) -> tuple[float, ...]:
+    return tuple(gain * scale if k == axis else gain for k, gain in enumerate(gains))
+
+
 def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> Iterator[str]:
     """Return corrections of the gains in the recordings that state them, otherwise in the model."""
     if finding.key.axis not in model.axes:
         return
-    stating = {r.source: r.controller for r in recordings if r.controller.kind != "unknown" and r.source}
+    stating = {r.source: r.controller for r in recordings if _states_gains(r) and r.source}
     if not stating and model.source:
         stating = {model.source: model.controller}
     axis = finding.key.axis, model.axes.index(finding.key.axis)
     for source, controller in list(stating.items())[:_MOST]:
-        second = "kv" if controller.kind == "cascade_pv" else "kd"
-        for name, scale in (("kp", "kp_scale"), (second, "kd_scale")):
+        for name, scale in _scales(controller):
             line = _gain(Path(source), controller, name, axis, finding.parameters.get(scale))
             if line:
                 yield line

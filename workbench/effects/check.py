@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Estimate, InputError
+from workbench.core.files import as_path
 from workbench.core.units import is_unit
 from workbench.models import MOST, AppliedEffect, Model, Placement, read_model
 
@@ -15,13 +16,18 @@ from .base import is_rotary
 from .catalogue import effect_named
 
 
-def load_model(path: str | Path) -> Model:
+def load_model(path: str | Path | Model) -> Model:
     """Return a model whose effects were checked against the catalogue.
+
+    Args:
+        path: its file, or the name of a shipped model or packaged robot; a model is returned as it is.
 
     Raises:
         InputError: anything wrong with the file or its effects, in one line.
     """
-    model = read_model(path)
+    if isinstance(path, Model):
+        return path
+    model = read_model(as_path(path, "a model"))
     checked = replace(model, effects=())
     for applied in model.effects:
         checked = checked.with_effect(check_effect(checked, applied))

@@ -133,7 +133,7 @@ def _cluster(address: str) -> AbstractContextManager[Any]:
         import ray as cluster
         from ray.util.joblib import register_ray
     except ImportError as error:
-        raise InputError("a cluster needs Ray", remedy="pip install -e '.[ray]' in the checkout") from error
+        raise InputError("a cluster needs Ray", remedy="pip install 'robot-workbench[ray]'") from error
     try:
         cluster.init(address, log_to_driver=False, logging_level=logging.ERROR, ignore_reinit_error=True)
     except (ConnectionError, RuntimeError, ValueError) as error:

@@ -56,7 +56,7 @@ def _diagnose(robot: Robot, folder: Path, seed: int, inputs: str) -> None:
     said = {"used": data.share, "notes": (*found.notes, *data.notes)}
     diagnosis, found = replace(found.diagnosis, **said), replace(found, **said)
     file, improved = result_file(folder, robot.name), None
-    if found.steps:
+    if found.added:
         improved = file.with_suffix(".toml")
         write_model(better, improved, force=True)
     told = diagnosis_dict(diagnosis)

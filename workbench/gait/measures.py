@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from workbench.core.shown import Told
+from workbench.core.shown import Shown
 
 from .bootstrap import Interval
 
@@ -31,7 +31,7 @@ class Measure:
 
 
 @dataclass(frozen=True, repr=False)
-class Gait(Told):
+class Gait(Shown):
     """What two recordings show of a gait.
 
     Attributes:
@@ -47,5 +47,3 @@ class Gait(Told):
     command: tuple[float, float]
     measures: tuple[Measure, ...]
     lacking: tuple[str, ...]
-
-    _shown_by = "workbench.report.gait"

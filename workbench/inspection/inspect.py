@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
-from workbench.core import Recording, Recordings
+from workbench.core import Recording
+from workbench.recordings import Source, load_recordings
 from workbench.recordings.noise import noise_levels
 
 from .control import remark_on_control
@@ -21,21 +22,23 @@ from .work import remark_on_work
 FEW = 200  # rows below which nothing is compared
 
 
-def inspect(
-    recordings: Recording | Sequence[Recording], *, transmission: np.ndarray | None = None
-) -> Inspection:
+def inspect(recordings: Source | Iterable[Source], *, transmission: np.ndarray | None = None) -> Inspection:
     """Return what recordings say about themselves: swaps, signs, units, gains, clocks, limits, noise.
 
     Args:
-        recordings: what was measured, one or several.
+        recordings: what was measured, one or several, or their files.
         transmission: J in q_p = J q_s (actuator from joint coordinates), shape (n, n), for recordings
             and controllers that use different coordinates. None: the identity, or where the logged
             control law says otherwise, a belt-driven second joint in each leg.
 
     Returns:
         For each recording the remarks, the noise of each sensor, and what each axis did.
+
+    Raises:
+        InputError: a file that cannot be read, or no recording.
     """
-    return Inspection(tuple(_inspect_one(recording, transmission) for recording in Recordings.of(recordings)))
+    given = load_recordings(recordings, some=True)
+    return Inspection(tuple(_inspect_one(recording, transmission) for recording in given))
 
 
 def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> RecordingInspection:

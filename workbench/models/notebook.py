@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from workbench.core.palette import LINES
-from workbench.core.picture import Picture
+from workbench.core.picture import Picture, printed
 from workbench.core.shown import Summary
 
 from .model import Model
@@ -80,7 +80,7 @@ def as_figure(model: Model) -> Figure:
         axes.plot(*points.T, "-o", color=style.light, lw=3, ms=5)
         drawn.append(points)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-    axes.set_title(model.name.replace("$", r"\$"), fontsize=10)
+    axes.set_title(printed(model.name), fontsize=10)
     _to_scale(axes, np.concatenate(drawn))
     return figure
 

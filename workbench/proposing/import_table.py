@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from workbench.core import InputError, Recording
+from workbench.core.files import as_path
 from workbench.effects import axis_units, load_model
 from workbench.models import Model
 
 from .files import open_table
-from .proposal import Answers, Proposal, Question
+from .proposal import Answers, Proposal, Question, listed
 from .questions import told
 from .table import Table
 from .write import complete
 
+#: Fields of `Answers`, each with the type that its annotation begins with.
+_KINDS = {f.name: str(f.type).partition("[")[0] for f in fields(Answers)}
 #: The field of `Answers` that answers a question, by the first word of its key.
 _FIELDS = {"unit": "units", "constant": "units", "column": "columns", "rate": "rate_hz"}
 
 
 def import_table(
-    path: str | Path, model: str | Model | None = None, *, likeliest: bool = False, **said: Any
+    path: str | Path, model: str | Path | Model | None = None, *, likeliest: bool = False, **said: Any
 ) -> Recording:
     """Return the recording of a table or log; columns' meaning is found, or stated by model or you.
 
@@ -35,11 +39,12 @@ def import_table(
             ``columns={"torque_measured": ("i1", "i2")}``, ``kp=(20.0,)``.
 
     Raises:
-        InputError: the file cannot be read, or a question is left.
+        InputError: the file cannot be read, an argument is not of its kind, or a question is left.
     """
-    loaded = load_model(model) if isinstance(model, str) else model
-    answers = Answers(**({} if loaded is None else said_by(loaded)) | said)
-    table = open_table(Path(path), episode=answers.episode or 0)
+    loaded = None if model is None else load_model(model)
+    stated = {name: _said(name, value) for name, value in said.items()}
+    answers = Answers(**({} if loaded is None else said_by(loaded)) | stated)
+    table = open_table(as_path(path, "a table or log", "name its file"), episode=answers.episode or 0)
 
     def ask(_: Proposal, asked: Sequence[Question], now: Answers) -> Answers:
         if not (likeliest and asked[0].best):
@@ -61,6 +66,25 @@ def said_by(model: Model) -> dict[str, Any]:
         "loop": model.controller.kind != "unknown",
         "floats": model.floats,
     }
+
+
+def _said(name: str, value: Any) -> Any:
+    """Return the value of a field of `Answers`: one text or number where several may be is a list of one.
+
+    Raises:
+        InputError: there is no such field, or it is not of its kind.
+    """
+    if name not in _KINDS:
+        raise InputError("there is no such argument", column=name, remedy=f"there are {', '.join(_KINDS)}")
+    if _KINDS[name] == "Mapping" and not isinstance(value, Mapping):
+        example = '{"position": "deg"}' if name == "units" else '{"position": ("q1", "q2")}'
+        raise InputError("is not a dictionary", column=name, remedy=f"write for example {name}={example}")
+    if name == "columns":
+        return {signal: listed(c) if isinstance(c, str) else tuple(c) for signal, c in value.items()}
+    if _KINDS[name] == "tuple":
+        value = listed(value) if isinstance(value, str) else value
+        return (value,) if isinstance(value, int | float) else tuple(value)
+    return value
 
 
 def _open(asked: Sequence[Question], table: Table) -> InputError:

@@ -85,7 +85,7 @@ def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False
 
 
 def _short(recording: Recording) -> str:
-    logged = "" if recording.get("position_reference") is None else " The reference is in it."
+    logged = "" if recording.get("position_reference") is None else " The reference is logged too."
     return f"{len(recording)} rows, {recording.duration:.3g} s: too short for a comparison.{logged}"
 
 

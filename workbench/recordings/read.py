@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Controller, Excitation, InputError, Recording, Recordings, Timing
+from workbench.core.files import as_path
 
 from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
@@ -26,12 +27,15 @@ from .tables.can_table import dbc_of, read_can
 from .velocity import derive_velocity
 from .wrap import unwrap
 
+#: A recording, or its TOML file, or a pattern of such files.
+Source = Recording | str | Path
 
-def load_recording(path: str | Path) -> Recording:
+
+def load_recording(path: str | Path | Recording) -> Recording:
     """Return the recording that a TOML file describes, checked and in SI units.
 
     Args:
-        path: its TOML file.
+        path: its TOML file; a recording is returned as it is.
 
     Returns:
         The recording: SI, uniform clock from 0, gaps filled and masked, rows masked in which drives are off,
@@ -41,7 +45,9 @@ def load_recording(path: str | Path) -> Recording:
     Raises:
         InputError: anything wrong with either file; the text names file, column, row and remedy.
     """
-    described = describe(Path(path))
+    if isinstance(path, Recording):
+        return path
+    described = describe(as_path(path, "a recording"))
     return assemble(described, read_table(described.table, described.columns))
 
 
@@ -156,17 +162,34 @@ def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.
     }
 
 
-def load_recordings(paths: str | Path | Iterable[str | Path]) -> Recordings:
+def load_recordings(paths: Source | Iterable[Source], *, some: bool = False) -> Recordings:
     """Return the recordings of several TOML files or patterns.
 
     Args:
         paths: TOML files or patterns (``"data/*.toml"``), or one of them; what a pattern finds is sorted, and
-            models that it finds beside recordings are left out.
+            models that it finds beside recordings are left out. Recordings are returned as they are.
+        some: refuse to return none.
 
     Raises:
-        InputError: as `load_recording`, or a pattern that finds nothing.
+        InputError: as `load_recording`, or a pattern that finds nothing, or a table in memory.
     """
-    return Recordings(load_recording(file) for file in recording_files(paths))
+    if hasattr(paths, "keys"):  # a data frame or dictionary: its elements are names of columns
+        raise InputError(
+            f"a recording is expected, not a value of type {type(paths).__name__}",
+            remedy="write it to a CSV file, and read that with import_table",
+        )
+    many = [paths] if isinstance(paths, Recording | str | Path) or not isinstance(paths, Iterable) else paths
+    out, loaded = Recordings(), set[Path]()
+    for one in many:
+        if isinstance(one, Recording):
+            out.append(one)
+            continue
+        files = [f for f in recording_files(as_path(one, "a recording")) if f not in loaded]
+        out += map(load_recording, files)
+        loaded.update(files)
+    if some and not out:
+        raise InputError("no recordings were given", remedy="give one or several")
+    return out
 
 
 def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:

@@ -11,7 +11,7 @@ import numpy as np
 import tomli_w
 
 from workbench.core import AXIS_SIGNALS, Controller, InputError, Recording
-from workbench.core.files import check_free, write_all
+from workbench.core.files import as_path, check_free, write_all
 from workbench.core.units import KINDS
 
 from .tables.csv_table import csv_bytes
@@ -51,7 +51,12 @@ def save_recording(
     Raises:
         InputError: a file is there and `force` is not given, or the folder cannot be written.
     """
-    toml_path = Path(toml_path)
+    if not isinstance(recording, Recording):
+        raise InputError(
+            f"a recording is expected, not a value of type {type(recording).__name__}",
+            remedy="give the recording first, then its TOML file",
+        )
+    toml_path = as_path(toml_path, "the name of a TOML file", "name the file to write")
     if toml_path.suffix != ".toml":
         raise InputError("does not end in .toml", file=toml_path, remedy="name the recording's TOML file")
     table_path = toml_path.with_suffix(".csv.gz" if compress else ".csv")

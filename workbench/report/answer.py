@@ -96,23 +96,28 @@ def improvement_sentence(result: Improvement) -> str:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds the closest effects)."
-    kept = result.kept
+    kept, added = result.kept, result.added
     phrase = sized_phrase if len(kept) == 1 else sized_in_list
     doubts = {f.key: _or(f) for f in result.diagnosis.findings} if result.diagnosis is not None else {}
-    sized = [phrase(s.key, s.parameters) + doubts.get(s.key, "") for s in kept]
+    sized = [
+        phrase(s.key, s.parameters) + doubts.get(s.key, "")
+        if s in added
+        else f"corrected gains {place(s.key)}"
+        for s in kept
+    ]
     unsure = sum(bool(doubts.get(s.key)) for s in kept)
     many = f"{_count(len(kept))} effects" + (f" ({_count(unsure)} of them not sure)" if unsure else "")
-    added = any_of(sized, "and") if len(kept) <= _FEW else many
+    with_all = any_of(sized, "and") if len(kept) <= _FEW else many
     if result.verdict == "consistent":
         outlier = result.after.outlier if result.after is not None else None
         but = f" as a whole ({outlier_phrase(outlier)})" if outlier is not None else ""
-        return f"With {added}, the model explains the data to the noise{but}: {fall}."
+        return f"With {with_all}, the model explains the data to the noise{but}: {fall}."
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
     if result.nearest:
-        return f"{capital(_nothing(result.diagnosis))}. With the closest effects, {added}, {fall}{rest}."
+        return f"{capital(_nothing(result.diagnosis))}. With the closest effects, {with_all}, {fall}{rest}."
     partly = result.diagnosis if result.verdict == "partly_explained" else None
-    return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
+    return f"With {with_all}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
 
 
 def _gains(findings: Sequence[Finding], too: str) -> str:
@@ -195,8 +200,13 @@ def in_words(parameters: Mapping[str, Estimate]) -> list[str]:
 def mend_sentences(result: Diagnosis) -> list[str]:
     """Return which numbers of which files to correct, and that this stands in place of the effects."""
     lines = [f"{plain(capital(line))}." for line in result.mend]
+    if not lines:
+        return []
     once = "Correct the file or use the model with the effect, not both: the correction would count twice."
-    return [*lines, once] if lines else []
+    gains = "Correct gains where they are stated; a model does not need an effect for them."
+    gained = [f for f in result.findings if f.key in result.mend_recordings]
+    stated = [f for f in result.findings if corrects(f) or f.key.effect == _GAINS]
+    return [*lines, *([gains] if gained else ()), *([once] if len(stated) > len(gained) else ())]
 
 
 def near_sentence(result: Diagnosis | None) -> str:

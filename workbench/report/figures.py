@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from workbench.core import Comparison, InputError, Result
-from workbench.core.picture import Picture
+from workbench.core.picture import Picture, printed
 
 from .ladder import log_axis, rungs
 from .numbers import handy, number, plain
@@ -83,7 +83,7 @@ def overlay_figure(
         for a in axes[:-1, 0]:
             a.tick_params(labelbottom=False)
         axes[-1, 0].set_xlabel("time [s]")
-        _head(figure, f"{_name(axis)}, recording {_name(entry.recording.name)}")
+        _head(figure, f"{printed(axis)}, recording {printed(entry.recording.name)}")
         figure.align_ylabels()
     return figure
 
@@ -109,7 +109,7 @@ def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | No
                     a.plot(b.centre, factor * b.median, label=text, **style)
                 a.set_xlabel(f"{against} [{units(comparison, axis)[0]}{per}]")
             axes[row, 0].set_ylabel(f"{label} residual [{small}]")
-        _head(figure, f"{_name(axis)}: residual, median and quartiles")
+        _head(figure, f"{printed(axis)}: residual, median and quartiles")
     return figure
 
 
@@ -128,7 +128,7 @@ def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | No
                 a.axhline(floor, color=FLOOR, lw=1.6, ls=(0, (1, 1.2)), label="noise floor, as white noise")
             a.set_xlabel("frequency [Hz]")
             a.set_ylabel(f"{label} residual [{unit}/√Hz]")
-        _head(figure, f"{_name(axis)}: spectrum of the residual")
+        _head(figure, f"{printed(axis)}: spectrum of the residual")
     return figure
 
 
@@ -162,15 +162,10 @@ def ladder_figure(result: Result) -> Figure:
         a.xaxis.set_minor_locator(NullLocator())
         a.xaxis.set_minor_formatter(NullFormatter())
         a.set_xticks(list(scale.ticks), [number(t, 1) for t in scale.ticks])
-        a.set_yticks(rows, [_name(r.label) for r in steps], color=INK)
+        a.set_yticks(rows, [printed(r.label) for r in steps], color=INK)
         a.grid(axis="y", visible=False)
         _head(figure, "The error, step by step")
     return figure
-
-
-def _name(text: str) -> str:
-    """A stranger's string as matplotlib should print it, dollars and all."""
-    return plain(text).replace("$", r"\$")
 
 
 def _grid(

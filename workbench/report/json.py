@@ -78,6 +78,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "disagreeing": disagreement_dicts(result.disagreeing),
             "trace": trace_dicts(result.trace),
             "mend": list(result.mend),
+            "mend_recordings": key_dicts(result.mend_recordings),
         }
     )
 
@@ -107,6 +108,7 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "near": [_finding(f) for f in result.diagnosis.near] if result.diagnosis else [],
         "stopped": result.diagnosis.stopped if result.diagnosis else None,
         "mend": list(result.diagnosis.mend) if result.diagnosis else [],
+        "mend_recordings": key_dicts(result.diagnosis.mend_recordings) if result.diagnosis else [],
     }
     if truth is not None:
         out["truth"] = [

@@ -28,7 +28,7 @@ def check_mcap(path: str | Path) -> None:
     Raises:
         InputError: the package that writes it is missing.
     """
-    need("mcap.writer", "MCAP", "mcap", "-e '.[logs]' in the checkout", path)
+    need("mcap.writer", "MCAP", "mcap", "'robot-workbench[logs]'", path)
 
 
 def write_mcap(result: Result, path: str | Path, *, force: bool = False) -> Path:

@@ -18,16 +18,20 @@ from workbench.core import (
     RecordingError,
     Recordings,
     Step,
+    Verification,
 )  # fmt: skip
 from workbench.core.palette import LINES
-from workbench.core.picture import Picture
+from workbench.core.picture import Picture, printed
 from workbench.core.shown import Row, Summary
 from workbench.core.units import torque_unit
+from workbench.gait import Gait
 
+from . import gait, verification
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence, in_words
 from .comparison_words import comparison_sentence
 from .figures import ladder_figure, overlay_figure
+from .intervals import checks_figure, effect_figure, gait_figure
 from .numbers import number, percent, plain, quantity
 from .pack import worst_view
 from .residuals import SIGNALS, min_max, worst_window
@@ -46,6 +50,14 @@ def summary(value: Any) -> Summary:
 def as_figure(value: Any, **options: Any) -> Figure:
     """Return the most important picture of a value."""
     raise TypeError(f"there is no picture of a {type(value).__name__}")
+
+
+summary.register(Verification, verification.summary)
+summary.register(Gait, gait.summary)
+as_figure.register(Verification, checks_figure)
+as_figure.register(Gait, gait_figure)
+as_figure.register(Finding, effect_figure)
+as_figure.register(Step, effect_figure)
 
 
 @summary.register
@@ -145,6 +157,15 @@ def _(value: Improvement) -> Figure:
 
 
 @as_figure.register
+def _(value: RecordingError, *, axis: str | None = None) -> Figure:
+    """Measured over simulated of the axis whose error is most above its noise, or of another one."""
+    alone = Comparison("", value.recording.axes, (value,), value.error, value.noise_error, 0.0, False)
+    ratios = np.fmax(value.position_rmse / value.position_noise, value.torque_rmse / value.torque_noise)
+    worst = value.recording.axes[int(np.argmax(np.nan_to_num(ratios)))]
+    return as_figure(alone, axis=worst if axis is None else axis)
+
+
+@as_figure.register
 def _(value: Recordings, *, recording: int = 0) -> Figure:
     """One of them, the first if not said."""
     return as_figure(value[recording])
@@ -165,7 +186,7 @@ def _(value: Recording) -> Figure:
                 time = value.period * stride * np.arange(len(thin))
                 place.plot(time, thin, color=LINES["measured"].light, lw=1.4)
                 unit = value.units[k] if label == "position" else torque_unit(value.units[k])
-                place.set_ylabel(f"{plain(axis)} {label} [{unit}]".replace("$", r"\$"))
+                place.set_ylabel(printed(f"{axis} {label} [{unit}]"))
                 place.margins(x=0)
         axes[-1].set_xlabel("time [s]")
     return figure

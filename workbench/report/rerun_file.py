@@ -32,7 +32,7 @@ def check_rerun(path: str | Path) -> None:
     Raises:
         InputError: the package that writes it is missing.
     """
-    need("rerun", "a Rerun recording", "rerun-sdk", "-e '.[rerun]' in the checkout", path)
+    need("rerun", "a Rerun recording", "rerun-sdk", "'robot-workbench[rerun]'", path)
 
 
 def write_rerun(result: Result, path: str | Path, *, force: bool = False) -> Path:

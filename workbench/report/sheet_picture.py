@@ -8,9 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from workbench.core.palette import COLOURS, LINES
-from workbench.core.picture import Picture
+from workbench.core.picture import Picture, printed
 
-from .numbers import plain
 from .sheet import STYLES, Curve, Panel
 from .style import house_style
 
@@ -41,16 +40,16 @@ def _draw(axes: Sequence[Axes], panel: Panel, *, named: bool) -> None:
         ax.set_xscale("log" if panel.log else "linear")
         ax.set_yscale("log" if row.log else "linear")
         if named or row is panel.rows[0]:  # whose unit is its own
-            ax.set_ylabel(_text(row.label))
-    axes[0].set_title(_text(panel.title))
-    axes[-1].set_xlabel(_text(panel.x_label))
+            ax.set_ylabel(printed(row.label))
+    axes[0].set_title(printed(panel.title))
+    axes[-1].set_xlabel(printed(panel.x_label))
     if named:
         axes[0].legend(frameon=False, fontsize=7)
 
 
 def _curve(ax: Axes, curve: Curve) -> None:
     name, shape, _ = STYLES.get(curve.style, STYLES["fit"])
-    colour, label = COLOURS[name][0], _text(curve.name)
+    colour, label = COLOURS[name][0], printed(curve.name)
     if curve.low is not None and curve.high is not None:
         ax.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.35, lw=0, label=label)
     elif curve.y is None:
@@ -61,8 +60,3 @@ def _curve(ax: Axes, curve: Curve) -> None:
         ax.plot(curve.x, curve.y, ls=(0, (1, 2)), color=colour, label=label)
     else:
         ax.plot(curve.x, curve.y, **LINES.get(curve.style, LINES["fit"]).drawn(), label=label)
-
-
-def _text(words: str) -> str:
-    """A string from elsewhere as matplotlib should print it, dollars and all."""
-    return plain(words).replace("$", r"\$")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import Controller, InputError, Recording, Recordings, SimulationError
+from workbench.core.files import together
 from workbench.recordings import save_recording
 
 from .drive import Drive
@@ -88,18 +89,17 @@ class VirtualLeg:
     def record_to(
         self, folder: str | Path, experiments: Sequence[Experiment] | None = None, force: bool = False
     ) -> list[Path]:
-        """Run, and write one TOML and one csv.gz per recording into `folder`; return the TOML files.
+        """Run, and write a TOML and a csv.gz per recording into `folder`, all or none; return the TOML files.
 
         Raises:
             InputError: a file is there already and `force` is not set.
         """
-        written = []
-        for recording in self.run(experiments):
-            path = Path(folder) / f"{recording.name}.toml"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            save_recording(recording, path, compress=True, force=force)
-            written.append(path)
-        return written
+        recordings = self.run(experiments)
+        files = [Path(folder) / f"{recording.name}.toml" for recording in recordings]
+        with together():
+            for recording, file in zip(recordings, files, strict=True):
+                save_recording(recording, file, compress=True, force=force)
+        return files
 
     def _record(self, experiment: Experiment, run: int) -> Recording:
         time = np.arange(len(experiment.reference)) * experiment.period

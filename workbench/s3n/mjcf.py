@@ -11,7 +11,7 @@ from pathlib import Path
 
 import mujoco
 
-from workbench.core.files import check_free, read_file, write_whole
+from workbench.core.files import check_free, read_file, together, write_whole
 
 _DIGITS = 15  # 0.1 is written as 0.1, and reads back to a relative 1e-15
 
@@ -73,9 +73,10 @@ def write_with_assets(xml: str, path: str | Path, *, force: bool = False) -> tup
     for copy, content in contents.items():
         if not copy.exists() or copy.read_bytes() != content:
             check_free(copy, force=force)
-    for copy, content in contents.items():
-        write_whole(copy, content, force=True)
-    return write_whole(target, text, force=force), tuple(contents)
+    with together():
+        for copy, content in contents.items():
+            write_whole(copy, content, force=True)
+        return write_whole(target, text, force=force), tuple(contents)
 
 
 def _placed(xml: str, target: Path) -> tuple[str, dict[Path, Path]]:

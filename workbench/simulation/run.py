@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from workbench.core import Recording, Recordings, SimulationError
+from workbench.core import InputError, Recording, Recordings, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.inspection.torque import command_limits
 from workbench.models import Model
@@ -39,12 +39,20 @@ class Run:
     noise: SensorNoise | None = None
     start: np.ndarray | None = None
 
+    def __post_init__(self) -> None:
+        for given, kind in ((self.model, Model), (self.recording, Recording)):
+            if not isinstance(given, kind):
+                raise InputError(
+                    f"a {kind.__name__} is expected, not a value of type {type(given).__name__}",
+                    remedy="give Run(model, recording); load_model and load_recording read files",
+                )
 
-def simulate(runs: Sequence[Run], *, strict: bool = True) -> Recordings:
+
+def simulate(runs: Run | Sequence[Run], *, strict: bool = True) -> Recordings:
     """Return all simulated runs: same references, controller, sampling, delay, torque, initial state.
 
     Args:
-        runs: any mixture of models and recordings; they run on all cores.
+        runs: one or several, any mixture of models and recordings; they run on all cores.
         strict: raise where a simulation becomes unstable; else its signals are NaN from there, and all of
             them where the model cannot be compiled.
 
@@ -54,8 +62,12 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> Recordings:
         sensors err, `extra` holds the motion that was made, under the names of `TRUE_MOTION`.
 
     Raises:
+        InputError: something else than runs.
         SimulationError: unstable (with `strict`), naming model, recording and time.
     """
+    runs = [runs] if isinstance(runs, Run) else runs
+    if not (isinstance(runs, Iterable) and all(isinstance(run, Run) for run in runs)):
+        raise InputError("runs are expected", remedy="give Run(model, recording), or a list of them")
     experiments = [_prepared(run, run.model) for run in runs]
     compiled: dict[tuple[int, float], Plant | None] = {}
     for run, e in zip(runs, experiments, strict=True):

@@ -59,7 +59,7 @@ class WorkbenchVectorEnv(VectorEnv):
             from gymnasium.vector import AutoresetMode  # pyright: ignore[reportMissingImports]
             from gymnasium.vector.utils import batch_space  # pyright: ignore[reportMissingImports]
         except ImportError as error:
-            remedy = "install the extra: pip install -e '.[gym]' in the checkout"
+            remedy = "install the extra: pip install 'robot-workbench[gym]'"
             raise InputError("gymnasium is not installed", remedy=remedy) from error
         self.task, self.machine, self.num_envs, self._seed = task, machine, num_envs, seed
         self._drawn = randomisation or task.differences()

@@ -20,7 +20,7 @@ from ..table import LoggedSeries, Table
 
 _WIDE = 64  # numbers of one array in a message; more is a picture, not a joint
 _QUANTITIES = (("position", "position"), ("velocity", "velocity"), ("effort", "effort"))
-_NEEDS = "install it with: pip install -e '.[logs]' in the checkout"
+_NEEDS = "install it with: pip install 'robot-workbench[logs]'"
 
 #: Topic, log time [ns], message.
 Messages = Iterator[tuple[str, int, Any]]
