@@ -3,7 +3,8 @@
 from .description import is_model_file
 from .log import Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels
-from .read import Source, describe, load_recording, load_recordings, source_files
+from .read import describe, load_recording, source_files
+from .several import Source, load_recordings
 from .white_noise import white_noise
 from .windows import Excerpts, excerpts
 from .write import save_recording

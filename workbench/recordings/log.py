@@ -14,7 +14,8 @@ from workbench.core import InputError, Recording
 from .checks import check_alive, check_excitation
 from .clock import Clock, read_clock
 from .convert import seconds
-from .read import Described, assemble, describe, load_recording, measured_rows, recording_files
+from .read import Described, assemble, describe, load_recording, measured_rows
+from .several import recording_files
 from .tables.batches import STREAMED, count_rows, read_batches
 
 #: Rows times axes up to which a recording is held as a whole: ten minutes of two axes at 1 kHz.
