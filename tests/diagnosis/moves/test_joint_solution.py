@@ -175,7 +175,7 @@ def test_certain_effects_keep_their_names_beside_a_ripple(
     assert result.work < 1e8  # the search ends by itself
 
 
-def test_friction_alone_is_named_though_the_log_is_slower_than_the_loop(tmp_path: Path) -> None:
+def test_friction_alone_is_named_in_a_log_slower_than_its_loop(tmp_path: Path) -> None:
     """A reference that stands still between rows once looked like damping and a rotor on every axis."""
     dry, machine = np.array([0.5, 0.9, 0.4]), bench_arm(tmp_path)
 
