@@ -84,7 +84,7 @@ class Node:
     @cached_property
     def may_be_named(self) -> bool:
         """Return whether its effects may be named if they explain the recordings."""
-        return may_be_named(self.current, self.data, jointly=self.jointly)
+        return may_be_named(self.current, self.data, jointly=len(self.adequacy) >= POLICY.certain_effects)
 
     @property
     def has_several_certain(self) -> bool:

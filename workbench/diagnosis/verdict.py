@@ -21,7 +21,9 @@ def verdict_of(found: SearchResult) -> Verdict:
         return "partly_explained"
     whole = found.steps and explains and not refuted(found)
     named = (
-        whole and may_be_named(found.final, found.final_data, jointly=found.jointly) and found.are_the_laws
+        whole
+        and may_be_named(found.final, found.final_data, jointly=len(found.adequacy) >= POLICY.certain_effects)
+        and found.are_the_laws
     )
     return "missing_effect" if named else "unexplained"
 
