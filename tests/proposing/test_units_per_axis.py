@@ -147,4 +147,4 @@ def test_a_log_in_which_nothing_moves_yet_keeps_its_references(tmp_path: Path) -
     assert any("20 rows" in n and "too short" in n and "reference" not in n for n in proposal.notes)
     put(tmp_path, data)
     proposal, _ = imported(tmp_path / "run.csv")
-    assert any("20 rows" in n and "too short" in n and "reference is in it" in n for n in proposal.notes)
+    assert any("20 rows" in n and "too short" in n and "reference is logged too" in n for n in proposal.notes)
