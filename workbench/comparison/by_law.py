@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.core import Recording
 from workbench.effects import compile_plant
 from workbench.models import Model
@@ -29,12 +27,13 @@ def with_torque_by_law(model: Model, recordings: Sequence[Recording]) -> tuple[R
     """
     if any(r.controller.kind not in _KINDS for r in recordings if scored_torque(r) is None):
         return None
-    if not any(_leaves_open(model, r) for r in recordings):
+    opened = [_leaves_open(model, r) for r in recordings]
+    if not any(opened):
         return tuple(recordings)
     plant, levels = compile_plant(model), NoiseModel.of(recordings).levels
     out = []
-    for r in recordings:
-        if not _leaves_open(model, r):
+    for r, leaves_open in zip(recordings, opened, strict=True):
+        if not leaves_open:
             out.append(r)
             continue
         to_actuator = r.to_actuator(model.transmission)
@@ -59,5 +58,4 @@ def _leaves_open(model: Model, recording: Recording) -> bool:
         return False
     if recording.get("position_reference") is None:
         return False
-    e = prepare(recording, model)
-    return bool(np.any(e.ticks % e.stride))
+    return prepare(recording, model).ticks_between_rows

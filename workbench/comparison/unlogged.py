@@ -17,11 +17,7 @@ from workbench.core import Recording
 from workbench.effects import compile_plant
 from workbench.models import Model
 from workbench.recordings.resample import looks_held
-from workbench.simulation import (
-    Experiment,
-    prepare,
-    rate_read,
-)
+from workbench.simulation import Experiment, prepare, rate_read
 
 from .answer_share import Asked, answer_share, joined
 from .closed_loop import with_loops
@@ -191,4 +187,4 @@ def _between_is_open(model: Model, recording: Recording) -> bool:
     if recording.timing.reference_held is not None or reference is None or looks_held(reference):
         return False
     e = _loop_of(model, recording)
-    return e is not None and bool(np.any(e.ticks % e.stride))
+    return e is not None and e.ticks_between_rows

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
+from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
 
 from .data import Data
@@ -11,18 +14,23 @@ from .policy import POLICY
 from .significance import is_significant
 
 
-def may_be_named(found: Fit, data: Data, *, jointly: bool) -> bool:
+def may_be_named(found: Fit, data: Data, certain: Collection[EffectKey]) -> bool:
     """Return whether the explanation is significant and does not merely imitate the torque of another law.
 
     Args:
         found: the explanation.
         data: what it explains.
-        jointly: whether all effects were solved together along the measured motion; what may follow another
-            shape was taken out then.
+        certain: effects of it that were compared with any curve over their quantities. If they are several,
+            a rest that follows a position takes the names of none of them.
     """
     significant = all(is_significant(a) for a in found.hypothesis.free)
-    another = not jointly and bool(axes_of_another_shape(found, data))
+    another = not are_several(certain) and bool(axes_of_another_shape(found, data))
     return significant and not another and not _far_off_contact(found, data)
+
+
+def are_several(certain: Collection[EffectKey]) -> bool:
+    """Return whether effects that are certain, on more than one axis, are too many for one other cause."""
+    return len(certain) >= POLICY.certain_effects and len({key.axis for key in certain}) > 1
 
 
 def axes_of_another_shape(found: Fit, data: Data) -> frozenset[str]:

@@ -20,7 +20,7 @@ from .fitting.divergence import divergence
 from .fitting.fit import fit
 from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
-from .may_be_named import may_be_named
+from .may_be_named import are_several, may_be_named
 from .policy import POLICY
 from .problem import Problem
 from .screening.candidate import Candidate
@@ -84,15 +84,12 @@ class Node:
     @cached_property
     def may_be_named(self) -> bool:
         """Return whether its effects may be named if they explain the recordings."""
-        return may_be_named(self.current, self.data, jointly=len(self.adequacy) >= POLICY.certain_effects)
+        return may_be_named(self.current, self.data, self.adequacy)
 
     @property
     def has_several_certain(self) -> bool:
-        """Return whether a joint solution has effects that are certain on more than one axis, though more is
-        missing: too many to approximate one other cause.
-        """
-        axes = {step.added.axis for step in self.steps}
-        return self.jointly and not self.done and len(self.steps) >= POLICY.certain_effects and len(axes) > 1
+        """Return whether a joint solution has several effects that are certain though more is missing."""
+        return self.jointly and not self.done and are_several([step.added for step in self.steps])
 
     @property
     def keys(self) -> frozenset[EffectKey]:

@@ -20,11 +20,7 @@ def verdict_of(found: SearchResult) -> Verdict:
     if found.adequacy and not explains and not refuted(found):
         return "partly_explained"
     whole = found.steps and explains and not refuted(found)
-    named = (
-        whole
-        and may_be_named(found.final, found.final_data, jointly=len(found.adequacy) >= POLICY.certain_effects)
-        and found.are_the_laws
-    )
+    named = whole and may_be_named(found.final, found.final_data, found.adequacy) and found.are_the_laws
     return "missing_effect" if named else "unexplained"
 
 

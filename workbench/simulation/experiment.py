@@ -63,6 +63,11 @@ class Experiment:
         """Return the number of substeps K from the first row to the last."""
         return (len(self.recording) - 1) * self.stride
 
+    @property
+    def ticks_between_rows(self) -> bool:
+        """Return whether the controller also samples between rows of the log."""
+        return bool(np.any(self.ticks % self.stride))
+
     def at_ticks(self, rows: np.ndarray, held: bool | None = None) -> np.ndarray:
         """Return a signal (N, n) as read at T ticks (T, n): interpolated if smooth, constant if held.
 
