@@ -213,8 +213,10 @@ def links(
     if not quiet and json != "-":
         report.print_table(links_table(found))
         if output:
-            logs = " ".join(recordings)
             echo(f"Wrote {output}: {loaded.serial.name} with these numbers. Next, find what else is missing:")
-            echo(f"  workbench diagnose {output} {logs}")
+            if loaded.source and loaded.source.suffix == ".toml":
+                echo(f"  name it as serial in a copy of {loaded.source.name}, and diagnose that model")
+            else:
+                echo(f"  workbench diagnose {output} {' '.join(recordings)}")
     if found.share <= 0.0:
         raise typer.Exit(1)

@@ -111,7 +111,7 @@ def inertials_into_file(model: Model, file: Path, inertials: Mapping[str, Inerti
     for joint in inertials:
         _check_there(model, target, BodyNumbers(joint), file)
     changes = _set_bodies(model, target, inertials)
-    out = InFile(text.result(), tuple(changes), (), model.effects)
+    out = InFile(text.result(), tuple(changes), (), ())
     check_inertials(model, file, out.content, inertials)
     return out
 

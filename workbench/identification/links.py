@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from workbench.comparison import on_ground
-from workbench.core import EffectKey, InputError, Recording
+from workbench.core import EffectKey, InputError
 from workbench.diagnosis import LinkEquations, Normal, jackknife, link_equations, total
-from workbench.effects import axis_units, is_parallelogram, link_of
+from workbench.effects import axis_units, is_parallelogram, link_of, load_model
 from workbench.models import Model, rotors
+from workbench.recordings import Source, load_recordings
 
 from .possible import TRUSTS, PossibleFit, fit_possible
 from .result import AxisTorque, LinkFound, LinkNumber, LinksIdentification
@@ -25,9 +27,9 @@ _COUNT = len(DIRECTIONS)  # unknowns of a link
 
 
 def identify_links(
-    model: Model,
-    training: Sequence[Recording],
-    held_out: Sequence[Recording] = (),
+    model: Model | str | Path,
+    training: Source | Iterable[Source],
+    held_out: Source | Iterable[Source] = (),
     *,
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
@@ -40,8 +42,9 @@ def identify_links(
     data that are left out in turn.
 
     Args:
-        model: with links that are roughly known, and with effects that are no number of a link.
-        training: recordings to fit.
+        model: with links that are roughly known, and with effects that are no number of a link; or its file
+            or name.
+        training: recordings to fit, one or several, or their files.
         held_out: recordings that only judge; without them, the blocks that are left out do.
         seed: of the noise simulations.
         progress: told what is being done.
@@ -50,6 +53,8 @@ def identify_links(
         InputError: a model without such links, or recordings without a known torque.
         SimulationError: no solution was found.
     """
+    model = load_model(model)
+    training, held_out = load_recordings(training, some=True), load_recordings(held_out)
     links = {axis: link for axis in model.axes if (link := link_of(model, axis)) is not None}
     if is_parallelogram(model) or model.carried is not None or not links:
         raise InputError(
