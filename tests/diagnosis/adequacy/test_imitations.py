@@ -71,3 +71,27 @@ def test_one_more_harmonic_is_solved_without_its_bounds(tmp_path: Path) -> None:
     second = regression.copies([first])[0]
     free = regression.without_bounds(second).solved((first, second)).coefficients
     np.testing.assert_allclose(free, regression.solved((first, second)).coefficients)
+
+
+@pytest.mark.parametrize(("metres", "told"), [(0.2, True), (0.05, False)])
+def test_a_length_that_no_link_can_be_off_is_another_cause(tmp_path: Path, metres: float, told: bool) -> None:
+    """The data want 0.2 m where 0.1 m is the most: the value at that bound stands for something else."""
+    length, machine = EffectKey("link_length_error", "lift"), bench_arm(tmp_path, "machine")
+    machine.write_text(machine.read_text().replace('pos="0.35 0 0"', f'pos="{0.35 + metres} 0 0"'))
+    logs = [logged(machine, t, seconds=5.0, seed=k) for k, t in enumerate((SLOW, FAST))]
+    problem = asked(load_model(bench_arm(tmp_path)), logs)
+    assert problem.inverse_dynamics is not None
+    regression = problem.inverse_dynamics[2]
+    chosen = tuple(e for e in regression.entries if e.key == length)
+    assert imitations(regression, chosen, {length}) == ({length} if told else set())
+
+
+def test_damping_of_none_is_no_other_cause(tmp_path: Path) -> None:
+    """The model states some, the machine has none: at its bound, and right."""
+    machine = bench_arm(tmp_path, "machine", lift_damping=0.0)
+    logs = [logged(machine, t, seconds=5.0, seed=k) for k, t in enumerate((SLOW, FAST))]
+    problem = asked(load_model(bench_arm(tmp_path)), logs)
+    assert problem.inverse_dynamics is not None
+    regression = problem.inverse_dynamics[2]
+    chosen = tuple(e for e in regression.entries if e.key == DAMPING)
+    assert imitations(regression, chosen, {DAMPING}) == set()
