@@ -13,10 +13,10 @@ from workbench.identification import (
     Fit,
     LegIdentification,
     LinksIdentification,
+    axis_rows,
     link_rows,
     links_sentences,
     readable,
-    torque_rows,
 )
 from workbench.models import Inertial, Model
 from workbench.report.layout import table, text, verdict
@@ -108,7 +108,7 @@ def _inertial(value: Inertial) -> dict[str, Any]:
 
 def links_table(found: LinksIdentification) -> Group:
     """The torque before and after, and the links."""
-    (head, left), (names, links) = torque_rows(found), link_rows(found)
+    (head, left), (names, links) = axis_rows(found), link_rows(found)
     parts = []
     for columns, rows in ((head, left), (names, links)):
         made = table(columns[0], *((name, "right") for name in columns[1:]))

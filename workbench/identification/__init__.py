@@ -6,16 +6,36 @@ from .fit import Fit
 from .identify import identify_actuator, identify_leg
 from .leg import fit_leg
 from .links import identify_links
-from .links_page import link_rows, links_sentences, links_sheet, torque_rows
+from .links_page import axis_rows, link_rows, links_sentences, links_sheet
 from .page import actuator_sheet, leg_sheet, readable
 from .picture import actuator_figure, fit_figure, links_figure
 from .result import ActuatorIdentification, LegIdentification, LinksIdentification
 from .two_mass import fit_two_mass, two_mass_numbers
 
 __all__ = [
-    "ActuatorIdentification", "Fit", "LegIdentification", "LinksIdentification", "actuator_figure",
-    "actuator_sheet", "check_physical", "fit_actuator", "fit_figure", "fit_leg", "fit_two_mass",
-    "identify_actuator", "identify_leg", "identify_links", "leg_sheet", "link_rows", "links_figure",
-    "links_sentences", "links_sheet", "readable", "serial_form", "torque_rows", "two_mass_numbers",
-    "with_actuator", "with_leg",
+    "ActuatorIdentification",
+    "Fit",
+    "LegIdentification",
+    "LinksIdentification",
+    "actuator_figure",
+    "actuator_sheet",
+    "axis_rows",
+    "check_physical",
+    "fit_actuator",
+    "fit_figure",
+    "fit_leg",
+    "fit_two_mass",
+    "identify_actuator",
+    "identify_leg",
+    "identify_links",
+    "leg_sheet",
+    "link_rows",
+    "links_figure",
+    "links_sentences",
+    "links_sheet",
+    "readable",
+    "serial_form",
+    "two_mass_numbers",
+    "with_actuator",
+    "with_leg",
 ]  # fmt: skip

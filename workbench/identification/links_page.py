@@ -15,7 +15,6 @@ from .result import LinkFound, LinksIdentification
 
 _IDENTIFIABLE = 0.99  # share of the variance that the data take away: known to a tenth
 _MOST = 0.5  # share of the torque from which the links are the main cause
-_KEPT = 1e-6  # of the mass: what is no change
 Rows = tuple[Row, Sequence[Row]]
 
 
@@ -46,7 +45,7 @@ def links_sentences(found: LinksIdentification) -> tuple[str, ...]:
     return first, identifiable, springs
 
 
-def torque_rows(found: LinksIdentification) -> Rows:
+def axis_rows(found: LinksIdentification) -> Rows:
     """Return head and rows of the table of the torque that stays, by axis."""
     head = ("axis", "model as it is", "with drives", "with links too", "noise", "unit")
     rows = [
@@ -61,26 +60,20 @@ def link_rows(found: LinksIdentification) -> Rows:
     return ("link", "mass [kg]", "centre of mass [mm]", "identifiable numbers"), [
         (
             f"{link.axis} ({link.body})",
-            _change(number(link.before.mass), number(link.after.mass), _kept(link)),
-            _change(_centre(link.before), _centre(link.after), _kept(link)),
+            _change(number(link.before.mass), number(link.after.mass)),
+            _change(_centre(link.before), _centre(link.after)),
             f"{sum(n.identifiable >= _IDENTIFIABLE for n in link.numbers.values())} of {len(link.numbers)}",
         )
         for link in found.links
     ]
 
 
-def _kept(link: LinkFound) -> bool:
-    return all(n.identifiable < _KEPT for n in link.numbers.values())
-
-
-def _change(before: str, after: str, kept: bool) -> str:
-    return before if kept or before == after else f"{before} → {after}"
+def _change(before: str, after: str) -> str:
+    return before if before == after else f"{before} → {after}"
 
 
 def _centre(inertial: Inertial) -> str:
-    return " ".join(
-        f"{1e3 * x:.0f}".replace("-0", "0") if abs(x) < 5e-4 else f"{1e3 * x:.0f}" for x in inertial.centre
-    )
+    return " ".join(str(round(1e3 * x)) for x in inertial.centre)
 
 
 def links_sheet(found: LinksIdentification) -> Sheet:
@@ -89,7 +82,7 @@ def links_sheet(found: LinksIdentification) -> Sheet:
     left, links = (
         SheetTable(title, (head[0], *(f">{name}" for name in head[1:])), tuple(map(tuple, rows)))
         for title, (head, rows) in (
-            ("Root mean square of the torque that stays unexplained", torque_rows(found)),
+            ("Root mean square of the torque that stays unexplained", axis_rows(found)),
             ("Before and after, in the frame of each body", link_rows(found)),
         )
     )

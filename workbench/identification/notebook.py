@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from workbench.core.shown import Summary, by_kind
 from workbench.report.numbers import interval
 
-from .links_page import link_rows, links_sentences, torque_rows
+from .links_page import axis_rows, link_rows, links_sentences
 from .page import actuator_rows, readable
 from .picture import actuator_figure, fit_figure, links_figure
 from .result import ActuatorIdentification, LegIdentification, LinksIdentification
@@ -38,7 +38,7 @@ def _(value: LegIdentification) -> Summary:
 @summary.register
 def _(value: LinksIdentification) -> Summary:
     sentence, *_ = links_sentences(value)
-    return Summary(f"The links of {value.model}", sentence, [torque_rows(value), link_rows(value)])
+    return Summary(f"The links of {value.model}", sentence, [axis_rows(value), link_rows(value)])
 
 
 @as_figure.register
