@@ -83,7 +83,8 @@ def actuator_figure(found: ActuatorIdentification) -> Figure:
 
 def links_figure(found: LinksIdentification) -> Figure:
     """Torque that stays on each axis, in units of its noise: as the model is, and with new numbers."""
-    from workbench.core.picture import Picture
+    from workbench.core.picture import Picture, printed
+    from workbench.report.style import house_style
 
     looks = (
         ("before", "the model as it is", COLOURS["before"][0], "o"),
@@ -91,19 +92,18 @@ def links_figure(found: LinksIdentification) -> Figure:
         ("after", "with the links' new numbers too", COLOURS["after"][0], "D"),
     )
     rows = np.arange(len(found.torques))
-    figure = Picture(figsize=(7.2, 1.5 + 0.34 * len(rows)), layout="constrained")
-    ax = figure.subplots()
-    for name, label, colour, marker in looks:
-        times = [getattr(t, name) / t.noise for t in found.torques]
-        ax.plot(times, rows, marker, color=colour, ms=6, label=label)
-    ax.axvline(1.0, color=COLOURS["noise"][0], lw=1.0, ls=(0, (2, 2)), label="noise")
-    ax.set_yticks(rows, [t.axis for t in found.torques])
-    ax.invert_yaxis()
-    ax.set_xscale("log")
-    ax.set_xlabel("torque that stays unexplained, times the noise")
-    ax.grid(alpha=0.25)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.35), ncols=2)
+    with house_style():
+        figure = Picture(figsize=(7.2, 1.5 + 0.34 * len(rows)), layout="constrained")
+        ax = figure.subplots()
+        for name, label, colour, marker in looks:
+            times = [getattr(t, name) / t.noise for t in found.torques]
+            ax.plot(times, rows, marker, color=colour, ms=6, label=label)
+        ax.axvline(1.0, color=COLOURS["noise"][0], lw=1.0, ls=(0, (2, 2)), label="noise")
+        ax.set_yticks(rows, [printed(t.axis) for t in found.torques])
+        ax.invert_yaxis()
+        ax.set_xscale("log")
+        ax.set_xlabel("torque that stays unexplained, times the noise")
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.35), ncols=2)
     return figure
 
 
