@@ -47,11 +47,18 @@ def bus_and_motors(robot: Path) -> Iterator[tuple[Popen[str], Popen[str]]]:
         end(bus)
 
 
+def held_up(host: Host) -> bool:
+    """Whether it stopped as it must where a machine held a process up: somebody was silent too long."""
+    fault = str(host.state.fault)
+    drives = host.feedback.fault if "reports a fault" in fault else ()
+    return "no feedback" in fault or any("watchdog" in said for said in (fault, *drives))
+
+
 def running_at_last(host: Host, moves: Callable[[], None]) -> bool:
-    """Whether the host runs after some moves; asked for anew where a busy machine held feedback up."""
+    """Whether the host runs after some moves; asked for anew where a busy machine held a process up."""
     for _ in range(4):
         moves()
-        if host.state.phase == "run" or "no feedback" not in str(host.state.fault):
+        if host.state.phase == "run" or not held_up(host):
             break
         host.operator.arm = False
         host.run(0.02)

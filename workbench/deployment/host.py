@@ -29,7 +29,8 @@ from .statistics import Punctuality
 from .verify import Verified, verify
 from .wishes import Wishes
 
-_ENABLING = 4  # ticks that drives get to say that they are enabled
+_ENABLING = 4  # ticks at least, that drives get to say that they are enabled
+_ENABLED_BY = 0.1  # s at most: some drives tell their state only now and then
 
 
 class Host:
@@ -70,7 +71,7 @@ class Host:
         self.state: SafetyState = initial(n)
         self.operator = Operator(watches=[lambda: self.feedback.stop.said(network.now())])
         self.deadman: Deadman | None = None
-        self._verified, self._asked, self._enabling = False, False, 0
+        self._verified, self._asked, self._enabling, self._enabled_by = False, False, 0, 0.0
         self.time = 0.0
         self._frames: list[Frames] = []
         self._next: list[Frames] = []
@@ -216,7 +217,7 @@ class Host:
         wanted, failed = self._ask()
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, drives.took,
-            self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
+            self.operator.stop, self.operator.arm and not self._enabling, self._verified, f.base.age(now),
             failed, drives.gap, f.base.same(now), f.base.carried, f.torque, f.base.motion.gravity,
         )  # fmt: skip
         drives.took, drives.gap = True, 0.0
@@ -240,9 +241,10 @@ class Host:
     def _prepare(self) -> None:
         """Before motion that was asked for anew: buses brought back, drives cleared and enabled."""
         asked, before, self._asked = self.operator.arm, self._asked, self.operator.arm
-        self._enabling = max(0, self._enabling - 1)
+        if self._enabling > 1 or not self.feedback.faulty.any() or self._network.now() >= self._enabled_by:
+            self._enabling = max(0, self._enabling - 1)
         if not asked or before or self._moving or self.operator.stop or not self._verified:
             return
-        self._enabling = _ENABLING
+        self._enabling, self._enabled_by = _ENABLING, self._network.now() + _ENABLED_BY
         self.drives.restart()
         self.drives.act("clear", "enable")
