@@ -36,7 +36,7 @@ def answer_share(beside: Sequence[np.ndarray], axes: Sequence[Asked], answer: in
     """
     sums = np.zeros((_BLOCKS, 2))
     for columns, axis in zip(beside, axes, strict=True):
-        base, _ = np.linalg.qr(columns / np.maximum(np.abs(columns).max(axis=0), 1e-300))
+        base, _ = np.linalg.qr(columns / np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300))
         way, lacking = (x - base @ (base.T @ x) for x in (axis.answers[:, answer], axis.lacking))
         scale = max(float(lacking @ lacking), 1e-300)
         for block, rows in enumerate(np.array_split(np.arange(len(way)), _BLOCKS)):

@@ -15,7 +15,9 @@ from workbench.simulation import law_torque, motion_of, required_torque, smooth_
 
 from .answer_share import Asked
 from .band import corner_hz
+from .counted_rows import moving
 from .inverse import lowpass
+from .measured_motion import FilteredRecording
 
 Speed = Literal["sensor", "difference"]
 CONSTANT, DIFFERENCE, LATE = range(3)  #: what may change the torque by the law: places in `Asked.answers`
@@ -65,6 +67,9 @@ def law_against(recording: Recording, plant: Plant, levels: NoiseLevels, *, by_n
         drive = np.stack([passed(np.gradient(first, axis=0)), passed(first)], axis=-1)
         none = drive[rows, 0, :0]
         return [Asked(lacking[rows, k], answers[rows, k], none, none, drive[rows, k]) for k in range(n)]
+    # dry friction at rest takes any torque, also one that the model does not have
+    reading = FilteredRecording(recording, track, to_actuator, "", corner, np.ones_like(first, bool))
+    (moves,) = moving([reading], [np.zeros_like(first)], plant.model.transmission)
     weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
     lacking = centred(first) - passed(required_torque(plant, track, recording.period))
     answers = np.stack([centred(x) for x in changed], axis=-1)
@@ -75,7 +80,8 @@ def law_against(recording: Recording, plant: Plant, levels: NoiseLevels, *, by_n
         friction = np.stack([np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
         others = np.hstack([passed(friction), weights[:, k, np.any(weights[:, k], axis=0)]])
         parts = passed(track.acceleration), passed(w[:, None]), others
-        out.append(Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
+        own = rows[moves[rows, k]]
+        out.append(Asked(lacking[own, k], answers[own, k], *(p[own] for p in parts)))
     return out
 
 

@@ -19,6 +19,7 @@ _UNSURE = 4.0  # standard deviations of the mean of rows' delays
 _APART = 0.01  # of rows show another tick than they would if they were not early or late
 _SLOWER = 2.0  # a loop that takes so many rows shows each of its ticks
 _AROUND = 5  # rows that a slope is taken from
+_REST = 4.0  # times the usual time between two changes: a signal that is equal for longer has come to rest
 
 
 def onto_clock(
@@ -90,10 +91,19 @@ def loop_keeps_time(
 
 
 def looks_held(signal: np.ndarray) -> bool:
-    """Return whether a signal (N, k) moves but stays equal from row to row for a large part of the time."""
-    steps = np.diff(signal, axis=0)
+    """Return whether a signal (N, k) that moves is equal from row to row for a large part of the time.
+
+    A smooth signal that rests now and then is equal for long, but not while it moves.
+    """
     moving = np.ptp(signal, axis=0) > 1e-9 * np.abs(signal).max(initial=0.0)
-    return bool(moving.any()) and float(np.mean(steps[:, moving] == 0, axis=0).min()) > 0.3
+    return bool(moving.any()) and min(_equal_share(column) for column in signal.T[moving]) > 0.3
+
+
+def _equal_share(column: np.ndarray) -> float:
+    """Return the share of rows (N,) equal to the row before, without rests between two motions."""
+    apart = np.diff(np.flatnonzero(np.diff(column)), prepend=-1)
+    apart = apart[apart <= _REST * np.median(apart)]
+    return 1.0 - len(apart) / float(apart.sum())
 
 
 def _resample(
