@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import HOPELESS, Comparison, InputError, Recording, SimulationError
+from workbench.core import HOPELESS, MARGIN_TOTAL, Comparison, InputError, Recording, SimulationError
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.recordings import Source, load_recordings
 from workbench.s3n import on_drives
 from workbench.simulation import runs_in_loop
 
-from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
 from .matching import matched
 from .noise import DRAWS, NoiseModel

@@ -7,14 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from workbench.core import HOPELESS, Outlier
+from workbench.core import HOPELESS, MARGIN_SIGNAL, MARGIN_TOTAL, Outlier
 
 from .score import Scale, normalised
 
-# A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
-# signal's floor from a few draws to about 3 %.
-MARGIN_TOTAL = 1.06
-_MARGIN_SIGNAL = 1.3
 _DEVIATIONS = 3.0  # by which an error may exceed its floor by chance
 
 
@@ -72,7 +68,7 @@ def signal_ratios(
     shared = np.sqrt(np.mean(np.nan_to_num(scatter) ** 2, axis=1, keepdims=True))
     asked = max(int(np.isfinite(ratios).sum()), 1)
     deviations = -ndtri(ndtr(-_DEVIATIONS) / asked)
-    return ratios, np.maximum(_MARGIN_SIGNAL, 1.1 + deviations * shared)
+    return ratios, np.maximum(MARGIN_SIGNAL, 1.1 + deviations * shared)
 
 
 def outlier_of(

@@ -9,11 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.core import InputError, Recording
+from workbench.core import MARGIN_TOTAL, InputError, Recording
 from workbench.models import Model
 from workbench.simulation import check_axes
 
-from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
 from .floating import with_base
 from .replay import Replay

@@ -10,11 +10,22 @@ from .finding import EffectKey, Estimate, Finding
 from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
-from .results import FORMAT, HOPELESS, Comparison, InverseDynamics, Outlier, RecordingError, Share
+from .results import (
+    FORMAT,
+    HOPELESS,
+    MARGIN_SIGNAL,
+    MARGIN_TOTAL,
+    Comparison,
+    InverseDynamics,
+    Outlier,
+    RecordingError,
+    Share,
+)
 from .verification import Check, Verification
 
 __all__ = [
-    "AXIS_SIGNALS", "FORMAT", "HOPELESS", "Carried", "CarriedMotion", "Check", "Comparison", "Controller",
+    "AXIS_SIGNALS", "FORMAT", "HOPELESS", "MARGIN_SIGNAL", "MARGIN_TOTAL",
+    "Carried", "CarriedMotion", "Check", "Comparison", "Controller",
     "Coupling", "Diagnosis", "Disagreement", "DriveMap", "EffectKey", "Estimate", "Excitation", "Finding",
     "Identifiability", "Improvement", "InputError", "InverseDynamics", "Mechanism", "Outlier", "Recording",
     "RecordingError", "Recordings", "Result", "Shape", "Share", "SimulationError", "Step", "Stopped",

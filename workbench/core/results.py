@@ -67,6 +67,9 @@ class Share:
 
 #: Noise error above which a model's loop is taken to be unstable: a perfect model's is at most about 1.
 HOPELESS = 1.5
+#: Times the noise, of a score and of a single signal. A right model's score scatters by a few per cent: noise
+#: levels are known to about 2 %, and a single signal's floor from a few draws to about 3 %.
+MARGIN_TOTAL, MARGIN_SIGNAL = 1.06, 1.3
 
 
 @dataclass(frozen=True)

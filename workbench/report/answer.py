@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from workbench.core import Diagnosis, Estimate, Finding, Improvement
+from workbench.core import MARGIN_TOTAL, Diagnosis, Estimate, Finding, Improvement
 
-from .comparison_words import outlier_phrase
+from .comparison_words import explained_sentence, outlier_phrase
 from .numbers import interval, number, percent, plain
 from .wording import (
     any_of,
@@ -32,11 +32,16 @@ _FEW = 3  # numbers or names that are told one by one
 def diagnosis_sentence(result: Diagnosis) -> str:
     """Return the result of a diagnosis as one sentence."""
     if result.verdict == "consistent":
-        return "The model explains the data to the noise."
+        return explained_sentence(result.error, result.noise_error)
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
         if result.by_links:
             return f"Several numbers of the links are wrong.{_by_links(result)}"
+        if result.error <= MARGIN_TOTAL * result.noise_error:
+            return (
+                "The error as a whole is at the noise floor, but single signals are off by more than their "
+                f"own noise: {_nothing(result)}."
+            )
         return (
             f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise remains."
         )
@@ -158,14 +163,14 @@ def _corrected(finding: Finding) -> str:
 
 def _or(finding: Finding) -> str:
     """That it is one name of several, or not sure, where other causes are likelier together than it."""
-    others = len(finding.indistinguishable_from)
+    others = effect_phrases(finding.indistinguishable_from)
     if not finding.is_doubtful:
         return ""
     if not others:
         return f" (not sure: {percent(finding.probability)} probable)"
-    if others == 1:
-        return " (or another cause that looks the same)"
-    return f" (or one of {_count(others)} other causes that look the same)"
+    if len(others) == 1:
+        return f" (or {others[0]}, which looks the same)"
+    return f" (or one of {_count(len(others))} other causes that look the same)"
 
 
 def _missing(findings: Sequence[Finding], too: str) -> str:

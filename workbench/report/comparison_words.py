@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from workbench.core import HOPELESS, Comparison, Outlier
+from workbench.core import HOPELESS, MARGIN_SIGNAL, MARGIN_TOTAL, Comparison, Outlier
 
 from .numbers import number, percent, plain, short
 from .wording import times_noise
@@ -17,7 +17,7 @@ def comparison_sentence(result: Comparison) -> str:
     if not math.isfinite(result.error):
         return "Nothing moves in these recordings, so there is nothing to compare."
     if result.consistent:
-        return "The model explains the data to the noise."
+        return explained_sentence(result.error, result.noise_error)
     times = times_noise(result.error, result.noise_error)
     tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
     if result.noise_error > HOPELESS:
@@ -25,10 +25,20 @@ def comparison_sentence(result: Comparison) -> str:
             "The model cannot run in these loops: sensor noise alone makes its error larger than the "
             "measured motion. Check the order of the axes, units, signs and gains."
         )
-    if result.outlier is not None and result.error <= 1.06 * result.noise_error:
+    if result.outlier is not None and result.error <= MARGIN_TOTAL * result.noise_error:
         worst = outlier_phrase(result.outlier)
         return f"The model does not explain the data: {worst}. The error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
+
+
+def explained_sentence(error: float, noise: float) -> str:
+    """Return that a model explains the data, and what does where its error is more than noise."""
+    if not error > MARGIN_SIGNAL * noise:
+        return "The model explains the data to the noise."
+    return (
+        f"The model explains the data: its error is {times_noise(error, noise)} the noise floor, and two "
+        "correct simulations of this machine differ by as much."
+    )
 
 
 def loop_sentence(result: Comparison) -> str:
