@@ -44,17 +44,17 @@ def rescored(old: Fit, data: Data) -> Fit:
 
 
 def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
-    """Return the share of the initial excess that is gone at the end, of fitted or held-out data, the
-    smaller.
+    """Return the share of the initial excess over a perfect model that is gone at the end, of fitted or
+    held-out data, the smaller.
 
     `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
     """
     shares = []
     for held_out in {False, data.tests_on_holdout}:
-        floor = data.pool(data.floor, held_out)
+        floor = data.least(held_out)
         first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
         before = data.objective(np.maximum(first - floor, 0.0))
-        rest = np.maximum(floor, at_end.pool(at_end.floor, held_out))
+        rest = np.maximum(floor, at_end.least(held_out))
         after = data.objective(np.maximum(last - POLICY.noise_slack * rest, 0.0))
         shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
     return min(shares)
@@ -69,7 +69,8 @@ def median_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     worst = 1.0
     for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.tests_on_holdout]:
         weight = data.weight**2
-        floor, rest = data.floor[part], np.maximum(data.floor, at_end.floor)[part]
+        floor, other = (d.floor[part] + d.immaterial[part] for d in (data, at_end))
+        rest = np.maximum(floor, other)
         before = np.sum(np.maximum(start.mean_squares[part] - floor, 0.0) * weight, axis=(1, 2))
         last = np.maximum(end.mean_squares[part] - POLICY.noise_slack * rest, 0.0)
         after = np.sum(last * weight, axis=(1, 2))

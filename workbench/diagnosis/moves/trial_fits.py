@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import effect_named, kinds
+from workbench.effects import contains, effect_named, kinds
 from workbench.report.wording import any_of, effect_phrases
 
 from ..acceptance import at_noise_floor, improves
@@ -98,7 +98,11 @@ def try_in_order(at: SearchState) -> list[Explanation]:
 
 
 def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
-    """Basic effects and refinements with a promising first estimate, at most as many as may be simulated."""
+    """Basic effects and refinements with a promising first estimate, at most as many as may be simulated.
+
+    What a refinement contains is simulated with it: a first estimate hardly tells a friction from one that
+    gives way before it slides.
+    """
     gain = POLICY.later_gain if at.later else POLICY.effect_gain
     needed = POLICY.screened_gain * gain * at.excess
     free = [
@@ -108,10 +112,14 @@ def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
     best_left = max(min((c.test_loss for c in free), default=0.0) - at.floor, 0.0)
     most = POLICY.screened_times * best_left + POLICY.screened_slack * at.excess
     free = [c for c in free if c.test_loss - at.floor <= most]
-    simple, refined = (
-        [c for c in free if kinds.tier_of(effect_named(c.key.effect)) == tier] for tier in (0, 1)
-    )
-    return simple[: POLICY.simple_simulated], refined[: POLICY.refined_simulated]
+    simple, refined = ([c for c in free if _tier(c) == tier] for tier in (0, 1))
+    simple, refined = simple[: POLICY.simple_simulated], refined[: POLICY.refined_simulated]
+    contained = [c for c in at.candidates if any(contains(r.key, c.key) for r in refined)]
+    return simple + [c for c in contained if _tier(c) == 0 and c not in simple], refined
+
+
+def _tier(candidate: Candidate) -> int:
+    return kinds.tier_of(effect_named(candidate.key.effect))
 
 
 def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Explanation]:
