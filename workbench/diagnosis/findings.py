@@ -132,7 +132,10 @@ def _probability(
     alone = 1.0 - POLICY.next_best_doubt * close
     sure = found.adequacy.get(step.added)
     whole = 1.0 if found.consistent_after else sure.share if sure else found.explained
-    doubt = POLICY.rival_doubt * (len(indistinguishable) + more) ** 2
+    # beside one effect of the whole machine, the same on each of its drives is one rival
+    whole_machine = step.added.axis is None
+    causes = {key.effect if whole_machine else key for key in indistinguishable}
+    doubt = POLICY.rival_doubt * (len(causes) + more) ** 2
     return float(min(alone, POLICY.surest) * whole / (1.0 + doubt))
 
 

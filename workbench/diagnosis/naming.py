@@ -12,10 +12,10 @@ from workbench.simulation import scored_torque
 
 from .data import Data
 from .fitting.fit import successive_halving
-from .fitting.refinement import with_candidate
+from .fitting.refinement import with_candidate, with_candidates
 from .hypothesis import Fit
 from .loss import test_noise_floor
-from .moves.choice import Explanation
+from .moves.choice import Explanation, worse_by
 from .policy import POLICY
 from .screening.candidate import Candidate
 from .screening.compliance import equivalents_at_joint
@@ -43,11 +43,26 @@ def named_beside(
     return [
         (c, f)
         for c, f in zip(wider, fits, strict=True)
-        if f is not None
-        and f.test_loss <= found.test_loss * (1.0 + POLICY.tie)
-        and f.training_loss <= found.training_loss * (1.0 + POLICY.tie)
-        and _differs(linearisation, f)
+        if f is not None and worse_by(f, found) <= 1.0 + POLICY.tie and _differs(linearisation, f)
     ]
+
+
+def on_each_drive(
+    linearisation: Linearisation, candidates: Sequence[Candidate], chosen: Candidate, current: Fit, data: Data
+) -> list[Explanation]:
+    """Return the lags of single drives, on all drives at once, if one delay of the whole machine was chosen.
+
+    Drives of one make are late alike, and slow motion hardly tells a lag from a delay.
+    """
+    whole, driven = chosen.key.axis is None, linearisation.model.driven
+    if not (whole and len(driven) > 1 and kinds.is_pure_delay(effect_named(chosen.key.effect))):
+        return []
+    lags = [e.name for e in EFFECTS if e.locations and kinds.is_pure_delay(e)]
+    sets = [[c for c in candidates if c.key.effect == lag] for lag in lags]
+    sets = [own for own in sets if {c.key.axis for c in own} == set(driven)]
+    asked = [with_candidates(linearisation, own, current) for own in sets]
+    fits, _ = successive_halving(asked, current, data)
+    return [(c, f) for own, f in zip(sets, fits, strict=True) if f is not None for c in own]
 
 
 def special_case(

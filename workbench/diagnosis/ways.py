@@ -147,7 +147,7 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
     what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say, or
     for damping and rotors where drives are late. So a joint solution of several numbers is the answer only if
-    no other assumption needs fewer effects; of many axes this would take too long.
+    no other assumption needs fewer effects; of many axes only a delay is asked, which looks like these.
     """
     if len(ways) == 1:
         return ways, []
@@ -159,14 +159,15 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
         kept = ties
     fewest = min((found[k].final.hypothesis.size for k in kept), default=POLICY.most_effects)
     kept = [k for k in kept if found[k].final.hypothesis.size == fewest]
-    if fewest <= 1 or any(way.asked.problem.is_expensive for way in ways):
+    expensive = any(way.asked.problem.is_expensive for way in ways)
+    if fewest <= 1 or (expensive and not kept):
         return [ways[k] for k in kept] or ways, []
     # a delay, which is no torque along the motion, may suffice alone
     likely = any(one_effect_may_suffice(way.asked.problem) for way in ways)
     alone = [way.searched(most=1) for way in ways] if likely else []
     if any(one.consistent_after for one in alone):
         return ways, alone
-    others = [k for k in range(len(ways)) if k not in kept and fewest > 2]
+    others = [k for k in range(len(ways)) if k not in kept and fewest > 2 and not expensive]
     return [ways[k] for k in (*kept, *others)], []
 
 

@@ -21,8 +21,9 @@ from ..data import Data
 from ..fitting.refinement import converged, prune
 from ..hypothesis import Fit
 from ..loss import rescored
-from ..naming import equivalents_of, named_beside, special_case
+from ..naming import equivalents_of, named_beside, on_each_drive, special_case
 from ..node import Growth, Node, screened_at, with_last_step, with_steps
+from ..policy import POLICY
 from ..problem import Problem, Progress
 from ..removed_share import removed_share
 from ..screening.candidate import Candidate
@@ -31,7 +32,7 @@ from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable
-from .choice import Explanation, choose, loss_ratios
+from .choice import Explanation, choose, loss_ratios, worse_by
 from .trial_fits import SearchState, try_in_order
 
 
@@ -136,6 +137,10 @@ def _step(helpful: list[Explanation], tried: list[Explanation], at: SearchState)
     candidate, found = special_case(linearisation, *best[:2], helpful, data)
     key = candidate.key
     wider = named_beside(linearisation, at.candidates, candidate, found, before, data)
+    each = on_each_drive(linearisation, at.candidates, candidate, before, data)
+    wider += [(c, f) for c, f in each if worse_by(f, found) <= 1.0 + POLICY.tie]
+    left = [(c.key, f.test_loss) for c, f in tried]
+    left += [(c.key, worse_by(f, found) * found.test_loss) for c, f in each]
     kept, needless = prune(found, key, data, before)
     fine = converged(kept, data)
     kept = kept if off_command_path(linearisation, candidate, fine) else fine
@@ -160,5 +165,5 @@ def _step(helpful: list[Explanation], tried: list[Explanation], at: SearchState)
         ),
         dropped=tuple(a.key for a in before.hypothesis.added if a.key not in kept.hypothesis.keys),
         ranking=tuple(sorted(removed.items(), key=lambda r: -r[1])),
-        loss_ratios=loss_ratios(key, found.test_loss, ((c.key, f.test_loss) for c, f in tried)),
+        loss_ratios=loss_ratios(key, found.test_loss, left),
     )

@@ -61,9 +61,8 @@ def choose(
     ]
     pool = known or done or basic or helpful
     best = min(f.test_loss for _, f in pool)
-    ties = [(c, f) for c, f in pool if f.test_loss <= best * (1.0 + POLICY.tie)]
-    ties.sort(key=lambda cf: (cost(cf), cf[1].test_loss))
-    candidate, found = ties[0]
+    tied = [(c, f) for c, f in pool if f.test_loss <= best * (1.0 + POLICY.tie)]
+    candidate, found = min(tied, key=lambda cf: (cost(cf), cf[1].test_loss))
     # every candidate that fits as well is indistinguishable, unless it merely contains the choice
     indistinguishable = tuple(
         c.key
@@ -74,6 +73,12 @@ def choose(
         and c not in parameter_free
     )
     return candidate, found, indistinguishable
+
+
+def worse_by(one: Fit, found: Fit) -> float:
+    """Return how many times as much one fit leaves as another, of fitted or of held-out data, the larger."""
+    pairs = (one.test_loss, found.test_loss), (one.training_loss, found.training_loss)
+    return max(left / max(own, 1e-12) for left, own in pairs)
 
 
 def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:

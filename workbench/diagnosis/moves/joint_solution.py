@@ -27,6 +27,7 @@ from ..screening.torque_regression import Chosen, Regression
 from ..search_result import AcceptedStep, steps_through
 from .apart import certain_apart
 from .joint_fit import Certain, beside_strangers, certain_of, certain_only
+from .one_delay import one_delay_may_suffice
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -49,7 +50,9 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
 
 
 def one_effect_may_suffice(problem: Problem) -> bool:
-    """Return whether a single effect, as screened, explains the recordings."""
+    """Return whether a single effect explains the recordings: as screened, or, if that is dear, a delay."""
+    if problem.is_expensive:
+        return one_delay_may_suffice(problem)
     least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
     return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
 
