@@ -18,14 +18,17 @@ NUMBERS = {
     "upper_mass": 2.4, "upper_centre": 0.17, "upper_inertia": 0.022,
     "fore_mass": 1.3, "fore_centre": 0.14, "fore_across": 0.0, "fore_inertia": 0.032, "fore_roll": 0.014,
     "bend_stiffness": 0.0, "bend_rest": 0.0,
+    "yaw_friction": 0.0, "lift_friction": 0.0,
 }  # fmt: skip
 AXES = ("yaw", "lift", "bend")
 _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>
 <body name="turret" pos="0 0 0.2">
- <joint name="yaw" axis="{yaw_x} {yaw_y} {yaw_z}" damping="{yaw_damping}" armature="{yaw_armature}"/>
+ <joint name="yaw" axis="{yaw_x} {yaw_y} {yaw_z}" damping="{yaw_damping}" armature="{yaw_armature}"
+  frictionloss="{yaw_friction}" solreffriction="0.002 1" solimpfriction="0.99 0.999 0.0001"/>
  <inertial pos="0 0 {turret_centre}" mass="{turret_mass}" diaginertia="0.01 0.01 0.008"/>
  <body name="upper" pos="0 0 0.1">
-  <joint name="lift" axis="0 1 0" damping="{lift_damping}" armature="{lift_armature}"/>
+  <joint name="lift" axis="0 1 0" damping="{lift_damping}" armature="{lift_armature}"
+   frictionloss="{lift_friction}" solreffriction="0.002 1" solimpfriction="0.99 0.999 0.0001"/>
   <inertial pos="{upper_centre} 0 0" mass="{upper_mass}"
    diaginertia="{upper_roll} {upper_inertia} {upper_inertia}"/>
   <body name="fore" pos="0.35 0 0">
@@ -74,6 +77,7 @@ def logged(
     resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
     late: int = 0,
     lag: float = 0.0,
+    pauses: bool = False,
     seed: int = 0,
 ) -> Recording:
     """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor, or from `differences`.
@@ -86,10 +90,12 @@ def logged(
         speed_noise: what the loop's sensor of speed adds at each tick [rad/s].
         resisting: torque (3,) of something else by position and speed.
         late: ticks by which the drives are late; `lag`: time constant of the lift's current [s].
+        pauses: the reference rests for 0.8 s, again and again.
     """
     known = None
     if resisting is None and not lag:
-        asked = (tones, seconds, log_s, loop_s, held, positions_alone, speed_noise, differences, late, seed)
+        asked = (tones, seconds, log_s, loop_s, held, positions_alone, speed_noise, differences, late, pauses,
+                 seed)  # fmt: skip
         known = f"{file.read_text()} {asked}"
         if known in _LOGGED:
             return _LOGGED[known]
@@ -100,6 +106,9 @@ def logged(
     count = int(seconds / log_s) * ticks
 
     def wanted(t: float) -> np.ndarray:
+        if pauses:
+            begun, moved = np.floor(t / 1.6), min(1.0, t % 1.6 / 0.8)
+            t = 1.6 * (begun + 0.5 - 0.5 * np.cos(np.pi * moved))
         whole = [sum(a * np.sin(2 * np.pi * f * t + p) - a * np.sin(p) for a, f, p in axis) for axis in tones]
         return np.array(whole) * min(1.0, t)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.bench_arm import FAST, SLOW, bench_arm, logged
-from workbench.core import Diagnosis
+from workbench.core import Diagnosis, EffectKey
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model
 
@@ -155,3 +155,16 @@ def test_all_inertia_of_a_link_is_one_number(tmp_path: Path) -> None:
     (finding,) = told(tmp_path, fore_inertia=0.08, fore_roll=0.035).findings
     assert (finding.key.effect, finding.key.axis) == ("link_inertia_error", "bend")
     assert finding.total is not None and finding.total.value == pytest.approx(0.032, rel=0.05)
+
+
+def test_friction_from_positions_alone_of_an_arm_that_rests(tmp_path: Path) -> None:
+    """A reference that rests is not one that waits for rows: else six numbers beside it come out wrong."""
+    machine, model = bench_arm(tmp_path, yaw_friction=2.0), bench_arm(tmp_path, "model", yaw_friction=0.8)
+    kind = {"seconds": 6.0, "log_s": 0.01, "loop_s": 0.001, "positions_alone": True}
+    logs = [
+        logged(machine, tones, held=False, pauses=True, seed=seed, **kind)
+        for seed, tones in enumerate((SLOW, FAST))
+    ]
+    (finding,) = diagnose(load_model(model), logs).findings
+    assert finding.key == EffectKey("coulomb_friction", "yaw")
+    assert finding.parameters["torque"].value == pytest.approx(1.2, abs=0.012)

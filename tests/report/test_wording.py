@@ -62,7 +62,10 @@ def test_effects_have_names_and_places():
 
 
 def test_verdicts(comparison, diagnosis, improvement):
-    assert sentence(replace(comparison, consistent=True)) == "The model explains the data to the noise."
+    at_noise = replace(comparison, consistent=True, error=1.1 * comparison.noise_error)
+    assert sentence(at_noise) == "The model explains the data to the noise."
+    allowed = sentence(replace(at_noise, error=2.5 * comparison.noise_error))
+    assert "its error is 2.5 times the noise floor, and two correct simulations" in allowed
     assert "nothing to compare" in sentence(replace(comparison, error=float("nan")))
     unknown = replace(diagnosis, verdict="unexplained", findings=(), unexplained_fraction=0.73)
     assert (
@@ -70,6 +73,8 @@ def test_verdicts(comparison, diagnosis, improvement):
         == "Something is missing: no effect that was tried explains what is missing; 73 % of the squared "
         "error above the noise remains."
     )
+    at_floor = sentence(replace(unknown, error=unknown.noise_error))
+    assert at_floor.startswith("The error as a whole is at the noise floor") and "100 %" not in at_floor
     spent = sentence(replace(unknown, stopped="budget"))
     assert "before it had tried everything" in spent and "no effect" not in spent
     partly = replace(diagnosis, verdict="partly_explained", unexplained_fraction=0.4)
@@ -142,6 +147,13 @@ def test_one_name_of_several_is_no_fact(diagnosis):
         replace(diagnosis, findings=(alike, alike))
     )
     assert "look the same" not in sentence(replace(diagnosis, findings=(replace(alike, probability=0.6),)))
+    delay = replace(
+        finding,
+        key=EffectKey("command_delay", None),
+        indistinguishable_from=tuple(EffectKey("current_loop_lag", axis) for axis in ("hip", "knee")),
+    )
+    told = sentence(replace(diagnosis, findings=(delay,)))
+    assert "(or current loop lag on the hip and knee drives, which looks the same)" in told
 
 
 def test_of_many_causes_only_those_in_doubt_are_told_one_by_one(diagnosis) -> None:
@@ -155,7 +167,7 @@ def test_of_many_causes_only_those_in_doubt_are_told_one_by_one(diagnosis) -> No
     )
     assert sentence(replace(diagnosis, findings=(sure[0], doubted, *sure[1:]))) == (
         "Four effects are missing: viscous damping on the hip, knee and ankle drives and reflected inertia "
-        "on the hip drive (or another cause that looks the same)."
+        "on the hip drive (or link inertia error of the hip link, which looks the same)."
     )
 
 

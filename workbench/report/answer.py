@@ -163,7 +163,9 @@ def _corrected(finding: Finding) -> str:
 
 def _or(finding: Finding) -> str:
     """That it is one name of several, or not sure, where other causes are likelier together than it."""
-    others = effect_phrases(finding.indistinguishable_from)
+    alike = finding.indistinguishable_from
+    # beside one effect of the whole machine, the same on each of its drives is one cause
+    others = effect_phrases(alike) if finding.key.axis is None else [effect_phrase(key) for key in alike]
     if not finding.is_doubtful:
         return ""
     if not others:
