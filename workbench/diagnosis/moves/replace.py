@@ -28,7 +28,7 @@ from .choice import EffectLoss, Explanation, loss_ratios
 
 def replaced(node: Node, problem: Problem) -> Iterator[Node]:
     """Return nodes with one effect replaced by another of nearly the same loss, starting with the last
-    effects.
+    effects; or by itself, where a fit from a new start leaves as little as another.
 
     While a delay is missing, a spring in the joint is taken for one at the drive: they can be distinguished
     only once all other causes are in the model. A replacement of the last effect may need one more effect.
@@ -38,17 +38,24 @@ def replaced(node: Node, problem: Problem) -> Iterator[Node]:
         if found and halves_excess(found[0].fit, node.current, node.data):
             yield with_steps(node.begun(growth=Growth()), found[:1], problem.seed)
         elif step is node.steps[-1] and not near_noise_floor(node.current, node.data):
-            for each in found:
+            for each in (f for f in found if f.added != step.added):
                 yield with_steps(node.begun(growth=Growth(most=1)), (each,), problem.seed)
 
 
 def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Return steps with one effect replaced by another and all others kept, best first."""
+    """Return steps with one effect replaced by another and all others kept, best first.
+
+    The effect itself starts anew beside them, and stays where it does as well: none wins by a new start.
+    """
     keys = [key for key, left in step.loss_ratios if left < POLICY.replacement_close]
-    rest, tried = _in_its_place(step, keys, node, problem)
+    rest, tried = _in_its_place(step, keys, node, problem, itself=True)
     if rest is None:
         return ()
-    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, node.current.test_loss)]
+    most = (1.0 + POLICY.tie) * min((f.test_loss for _, f in tried), default=0.0)
+    tried = sorted(tried, key=lambda cf: cf[0].key != step.added or cf[1].test_loss > most)
+    left = [(c.key, f.test_loss) for c, f in tried]
+    if step.added not in dict(left):
+        left.append((step.added, node.current.test_loss))
     return tuple(_step(explanation, left, step, rest, node) for explanation in tried)
 
 
@@ -80,9 +87,10 @@ def _beside_all(step: AcceptedStep, node: Node, problem: Problem) -> AcceptedSte
 
 
 def _in_its_place(
-    step: AcceptedStep, keys: Sequence[EffectKey], node: Node, problem: Problem
+    step: AcceptedStep, keys: Sequence[EffectKey], node: Node, problem: Problem, *, itself: bool = False
 ) -> tuple[Fit | None, list[Explanation]]:
-    """Return the fit without the effect of a step, and fits with some others in its place, best first.
+    """Return the fit without the effect of a step, and fits with some others (or `itself`) in its place, best
+    first.
 
     Causes that the node has already are not tried. None and nothing where there is nothing to try.
     """
@@ -100,6 +108,7 @@ def _in_its_place(
         *compliance_candidates(linearisation, rest.test_loss, rest.hypothesis.free),
     )
     chosen = [c for key in keys for c in known if c.key == key][: POLICY.replacements]
+    chosen += [c for c in known if c.key == step.added and itself]
     fits = fit([with_candidate(linearisation, c, rest) for c in chosen], data)
     tried = [
         (c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and identifiable(linearisation, f)
@@ -119,7 +128,7 @@ def _step(
         AcceptedStep.between(rest, found, candidate.key, data),
         folds=(int(np.sum(found.fold_losses < node.current.fold_losses)), len(found.fold_losses)),
         indistinguishable=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
-        dropped=(step.added,),
+        dropped=tuple(key for key in (step.added,) if key != candidate.key),
         ranking=removed_shares(rest.test_loss, left, test_noise_floor(data)),
         loss_ratios=loss_ratios(candidate.key, found.test_loss, left),
     )
