@@ -22,8 +22,8 @@ from .friction import merged
 from .hysteresis import Hysteresis
 from .machine import Machine
 from .place import Law, Passive, Place
+from .rk4 import Rate, rk4
 
-Rate = Callable[[Vector, Vector], Vector]
 Push = Callable[[float, float, float, float], tuple[float, float]]
 
 _STEP = 1e-3 / 3  # largest integration step [s]: a row in three
@@ -115,7 +115,7 @@ class Integrator:
         if self._smooth:
             rate = self._rate(outside, load)
             for _ in range(steps):
-                state = _rk4(rate, state, h)
+                state = rk4(rate, state, h)
             return state
         for _ in range(steps):
             state = self._cut_step(state, outside, load, h)
@@ -128,19 +128,19 @@ class Integrator:
             if 0 in self._modes:
                 self._release(state, outside, load)
             rate = self._rate(outside, load)
-            after = _rk4(rate, state, h)
+            after = rk4(rate, state, h)
             event = self._first_event(rate, state, after, h)
             if event is None:
                 return self._settled(after)
             part, rub = event
-            state = _rk4(rate, state, part)
+            state = rk4(rate, state, part)
             if rub is not None:
                 self._modes[rub] = 0
             state = self._settled(state)
             h -= part
             if h <= 1e-12:
                 return state
-        return self._settled(_rk4(self._rate(outside, load), state, h))
+        return self._settled(rk4(self._rate(outside, load), state, h))
 
     def _first_event(
         self, rate: Rate, state: State, after: State, h: float
@@ -149,7 +149,7 @@ class Integrator:
         found: list[tuple[float, int | None]] = []
 
         def when(switch: Switch, begin: float, end: float) -> float:
-            return crossing(lambda part: switch(_rk4(rate, state, part)), begin, end, h)
+            return crossing(lambda part: switch(rk4(rate, state, part)), begin, end, h)
 
         for rub, (along, mode) in enumerate(zip(self._rubs, self._modes, strict=True)):
             if mode and mode * (end := along.read(after[1])) < 0.0:
@@ -244,20 +244,3 @@ class Integrator:
             *others, (last, factor) = along.terms
             v[last] = -sum(d * v[i] for i, d in others) / factor  # exactly on d . v = 0
         return q, v
-
-
-def _rk4(rate: Rate, state: State, h: float) -> State:
-    """One classical Runge-Kutta step of length `h` [s]."""
-    q, v = state
-    half, sixth = 0.5 * h, h / 6.0
-    a = rate(q, v)
-    w = [x + half * y for x, y in zip(v, a, strict=True)]
-    b = rate([x + half * y for x, y in zip(q, v, strict=True)], w)
-    r = [x + half * y for x, y in zip(v, b, strict=True)]
-    c = rate([x + half * y for x, y in zip(q, w, strict=True)], r)
-    s = [x + h * y for x, y in zip(v, c, strict=True)]
-    d = rate([x + h * y for x, y in zip(q, r, strict=True)], s)
-    return (
-        [x + sixth * (k1 + 2.0 * (k2 + k3) + k4) for x, k1, k2, k3, k4 in zip(q, v, w, r, s, strict=True)],
-        [x + sixth * (k1 + 2.0 * (k2 + k3) + k4) for x, k1, k2, k3, k4 in zip(v, a, b, c, d, strict=True)],
-    )
