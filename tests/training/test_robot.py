@@ -15,7 +15,7 @@ def test_training_s_contact_is_as_stiff_as_its_step_allows() -> None:
     assert (m.geom_solref[[m.geom(foot).id for foot in FEET], 0] == STIFF_S).all()
 
 
-def test_nothing_stands_between_a_policy_and_hardware_as_it_is_drawn() -> None:
+def test_hardware_as_it_is_drawn_adds_nothing() -> None:
     torque, down, still = np.full(2, 20.0), np.array([[0.0, 0.0, -1.0]]), np.zeros((1, 3))
     assert IDEAL.delivered(torque, np.full(2, 30.0), np.full(2, 24.0)) is torque
     gravity, angular = IDEAL.felt(down, still, [(down, np.ones((1, 3)))])
