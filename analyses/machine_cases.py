@@ -18,13 +18,14 @@ import pandas as pd
 import tomli_w
 import two_mass
 from scipy.signal import decimate
+from two_mass_fit import fit_two_mass
 
 from workbench import load_model, load_recording, load_recordings
 from workbench.core import Recording
 from workbench.core.files import write_whole
 from workbench.effects import inertials_into_file
 from workbench.frf import estimate, find_resonances
-from workbench.identification import fit_two_mass, identify_links
+from workbench.identification import identify_links
 from workbench.models import Model
 
 

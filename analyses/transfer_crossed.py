@@ -12,13 +12,13 @@ from transfer_paired import Spread, ladder
 from transfer_picture import gaps_figure
 from transfer_plants import SETS
 from transfer_policies import SIMULATORS, TASK_FILES, Trained, policies_of
+from transfer_robot import Robot
 from transfer_runs import Job, Kept, Made
 from transfer_tables import show, write_csv
 from transfer_trials import run_trials
 from transfer_worlds import EVALUATION, Law, Push
 
 from workbench import report
-from workbench.training.robot import Robot
 
 AGAIN = "hardware again"
 #: Values (U,) of the pairs, by simulator, and of the hardware's second run.

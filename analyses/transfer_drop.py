@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 from transfer_floor import ON_PLATE
+from transfer_robot import RobotPlant
 from transfer_worlds import IdentifiedLaw, world_of
 
 from workbench.models import read_model
 from workbench.training.machine import Machine, make_machine
 from workbench.training.plant import Plant, begin
-from workbench.training.plants import ClosedChainPlant, TrainedPlant
+from workbench.training.plants import TrainedPlant
 
 _DAMPINGS = 100.0, 150.0, 200.0, 261.0, 350.0  # N s/m
 _STEPS, _FINE_S = 60, 0.0001  # control steps; s
@@ -38,7 +39,7 @@ def drop(machine: Machine, plant: Plant) -> np.ndarray:
 def misses() -> dict[float, float]:
     """Return the RMS difference of the force [N] from the hardware, by the simulation's damping [N s/m]."""
     machine = make_machine("quadruped", read_model("leg"), "exact")
-    real = drop(machine, ClosedChainPlant(machine, ON_PLATE))
+    real = drop(machine, RobotPlant(machine, ON_PLATE))
     found = {}
     for damping in _DAMPINGS:
         law = IdentifiedLaw(1e5, damping, 0.8, _FINE_S)

@@ -19,6 +19,7 @@ from pathlib import Path
 from transfer_identification import identify_plant
 from transfer_plants import EFFECTS
 from transfer_plants import Plant as Leg
+from transfer_robot import Robot
 from transfer_sinking import Sinking, sinking
 from transfer_worlds import IdentifiedLaw
 
@@ -26,7 +27,6 @@ from workbench import improve
 from workbench.core import EffectKey, Estimate, Improvement, Recording
 from workbench.models import AppliedEffect, Ground, Model, read_model, write_model
 from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments
-from workbench.training.robot import Robot
 
 _PLATE = Plate()
 #: The hardware on the ground of the plate.

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from transfer_drives import UsedDriveBench
 from transfer_plants import Plant
 
 from workbench import improve
@@ -21,7 +22,7 @@ from workbench.identification import (
     with_leg,
 )
 from workbench.models import Model, read_model
-from workbench.rigs import VirtualBench, VirtualLeg, multisine, slow_sweep, validation
+from workbench.rigs import VirtualLeg, multisine, slow_sweep, validation
 from workbench.s3n import with_variant
 
 AXES = ("hip", "knee")
@@ -55,7 +56,7 @@ def identify_plant(plant: Plant) -> Identified:
     """Steps 1 and 2 of Algorithm 1 (paper, Sec. IV), blind."""
     drives = tuple(
         identify_actuator(
-            VirtualBench(1000 + 10 * plant.seed + k, hidden=plant.hidden, axis=axis).run(
+            UsedDriveBench(plant.hidden, axis, seed=1000 + 10 * plant.seed + k).run(
                 {"multisine": _bench_command()},
                 Excitation("multisine", "single", _PERIOD, 1 / _PERIOD, _BENCH_HZ, "full"),
             )

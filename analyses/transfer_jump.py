@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from transfer_robot import IDEAL, Robot
 
 from workbench.rigs import Sensors
 from workbench.training.machine import LEGS, STEP_S, Machine
 from workbench.training.plant import Plant
-from workbench.training.robot import IDEAL, Robot
 from workbench.training.rollout import Log, run
 from workbench.training.situation import Array, Situation
 

@@ -13,11 +13,11 @@ from transfer_crossed import AGAIN, Study, Values, collected
 from transfer_measures import gait_gaps, pitch_gaps
 from transfer_paired import Spread
 from transfer_policies import INJECTED, Trained, policies_of
+from transfer_robot import Robot
 from transfer_runs import Job, Made
 from transfer_tables import show
 from transfer_worlds import EVALUATION, TRAINED, TRAINING, ContactLaw
 
-from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
 #: Method -> name, and the paper's E_phi and E_RMSE of a lap [%], its force on a foot in pitch in place [N].

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from transfer_robot import Robot
 
 from workbench.rigs import HiddenEffect
 from workbench.training.machine import STEP_S
-from workbench.training.robot import Robot
 
 #: Hidden in the second set, beside what the linkage itself has over a serial tree: its weight, its velocity
 #: terms. Flanks of the gap are as soft as the rig's sampled loop stays stable with.

@@ -14,6 +14,7 @@ from typing import Any
 
 import joblib
 from transfer_jump import jump
+from transfer_robot import IDEAL, Robot, RobotPlant
 from transfer_worlds import EVALUATION, Law, Push, world_of
 
 import workbench
@@ -23,8 +24,7 @@ from workbench.models import read_model
 from workbench.rigs import PERFECT
 from workbench.training.evaluate import evaluate
 from workbench.training.machine import make_machine
-from workbench.training.plants import ClosedChainPlant, TrainedPlant
-from workbench.training.robot import IDEAL, Robot
+from workbench.training.plants import TrainedPlant
 
 _SIMULATION_SEED = 10_000  # of the inertial unit's noise, which no other run draws
 
@@ -105,7 +105,7 @@ def _digest(file: Path) -> str:
 @cache
 def _source() -> str:
     """Of all of the package's code, and of what the study's runs are made of."""
-    whole, own = hashlib.sha256(), Path(__file__).parent.glob("transfer_[jw]*.py")
+    whole, own = hashlib.sha256(), Path(__file__).parent.glob("transfer_[djrw]*.py")
     for file in sorted([*Path(workbench.__file__).parent.rglob("*.py"), *own]):
         whole.update(file.read_bytes())
     return whole.hexdigest()
@@ -133,7 +133,7 @@ def _jump(job: Job) -> Made:
     machine = make_machine("quadruped", own)
     payload = job.robot.payload
     if job.model is None:
-        plant, robot, sensors = ClosedChainPlant(machine, job.robot), job.robot, None
+        plant, robot, sensors = RobotPlant(machine, job.robot), job.robot, None
     else:
         plant, robot, sensors = TrainedPlant(machine, world_of(machine, job.law, payload)), IDEAL, PERFECT
     made, log = jump(machine, plant, height=job.height, seed=job.seed, sensors=sensors, robot=robot)

@@ -37,12 +37,12 @@ from transfer_measures import (
 from transfer_paper import paper_lap, paper_pitch
 from transfer_plants import PARTS, SETS
 from transfer_policies import about, simulators
+from transfer_robot import Robot
 from transfer_runs import Job, Made
 from transfer_worlds import EVALUATION, Push
 
 from workbench.training.machine import STEP_S
 from workbench.training.quadruped import FOOT_RADIUS
-from workbench.training.robot import Robot
 from workbench.training.tasks import CIRCLE
 
 _PUSH, _PUSHES = Push(50.0), 4

@@ -20,12 +20,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import tomli_w
 from rich.table import Table
+from two_mass_fit import fit_two_mass, two_mass_numbers
 
 from workbench import improve, load_model, load_recordings, report
 from workbench.core import Improvement, Recording
 from workbench.core.files import write_whole
 from workbench.frf import estimate, find_resonances
-from workbench.identification import fit_two_mass, two_mass_numbers
 from workbench.models import Model
 
 _SHAFT = """<mujoco model="shaft"><worldbody><body>

@@ -5,18 +5,19 @@ from transfer_filter import with_filtered_velocity
 from transfer_jump import jump
 from transfer_measures import machine_limbs
 from transfer_plants import PARTS
+from transfer_robot import RobotPlant
 from transfer_worlds import EVALUATION, world_of
 
 from tests.training.make import machine
 from workbench.gait import with_leg_odometry
 from workbench.training.plant import begin
-from workbench.training.plants import ClosedChainPlant, TrainedPlant
+from workbench.training.plants import TrainedPlant
 
 
 def test_parts_of_a_robot_can_stand_up() -> None:
     made = machine("quadruped")
     for name, part in PARTS.items():
-        plant = ClosedChainPlant(made, part)
+        plant = RobotPlant(made, part)
         begin(plant, made)
         plant.advance(np.zeros(12))
         assert np.isfinite(plant.state().position).all(), name

@@ -5,17 +5,18 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from transfer_robot import Robot, RobotPlant
 from transfer_worlds import EVALUATION, ContactLaw, IdentifiedLaw, Push, loaded, world_of
 
 from tests.training.make import machine
-from tests.training.test_robot import Still
 from workbench.core import EffectKey, Estimate, InputError
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.training.machine import LEGS
-from workbench.training.plants import ClosedChainPlant, TrainedPlant
-from workbench.training.robot import Robot
+from workbench.training.plants import TrainedPlant
 from workbench.training.rollout import run
+
+from .test_transfer_robot import Still
 
 
 def test_the_evaluation_s_law_is_laid_in_a_copy() -> None:
@@ -30,7 +31,7 @@ def test_the_evaluation_s_law_is_laid_in_a_copy() -> None:
 def standing(stiffness: float, hardware: bool, push: Push | None = None, seconds: float = 0.6):
     made = machine("quadruped")
     plant = (
-        ClosedChainPlant(made, Robot(ground_stiffness=stiffness, ground_damping=150.0))
+        RobotPlant(made, Robot(ground_stiffness=stiffness, ground_damping=150.0))
         if hardware
         else TrainedPlant(made, world_of(made, IdentifiedLaw(stiffness, 150.0, 0.8), 0.0))
     )
@@ -84,7 +85,7 @@ def test_a_payload_weighs_on_the_feet(hardware: bool) -> None:
     weights = []
     for payload in (0.0, 4.0):
         plant = (
-            ClosedChainPlant(made, Robot(payload=payload))
+            RobotPlant(made, Robot(payload=payload))
             if hardware
             else TrainedPlant(made, world_of(made, soft, payload))
         )

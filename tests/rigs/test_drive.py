@@ -11,7 +11,7 @@ from workbench.rigs.drive import Drive
 from workbench.rigs.experiments import HOLD
 from workbench.rigs.integrate import Integrator
 from workbench.rigs.machine import Machine, SpeedLimit
-from workbench.rigs.structure import LegStructure
+from workbench.rigs.structure import LegStructure, leg_structure
 
 SLOW = HiddenEffect("speed_torque_limit", "hip", parameters={"stall_torque": 6.0, "no_load_speed": 8.0})
 HOT = HiddenEffect("thermal_derating", "knee", parameters={"coefficient": 0.4, "time_constant": 0.3})
@@ -51,14 +51,15 @@ def test_a_flywheel_runs_up_to_its_no_load_speed(rest: float) -> None:
     machine = Machine(delay=3e-3 + rest)
     machine.speed_limit[0] = SpeedLimit(6.0, 8.0)
     drive = Drive(machine, 1e-3)
-    leg = Integrator(LegStructure(0.05, 0.0, 0.02, 0.0, 0.0), (0.0, 0.0))
+    links = LegStructure(0.05, 0.0, 0.02, 0.0, 0.0).minus(leg_structure())
+    leg = Integrator(Machine(increment=links, rotor=[0.0, 0.0], damping=[0.0, 0.0]))
     state, speeds = leg.start(0.0, 0.0), []
     for _ in range(200):
         drive.command((4.0, 0.0))
         for u1, u2, duration in drive.advance((0.0, 0.0)):
             state = leg.advance(state, u1, u2, duration)
-            drive.feel(state[2], state[3])
-        speeds.append(state[2])
+            drive.feel(*state[1])
+        speeds.append(state[1][0])
     times = np.arange(1, 201) * 1e-3
     late = 3e-3 + rest
     reference = solve_ivp(

@@ -8,12 +8,10 @@ import pytest
 from tests.rigs.lagrange import CRANK, HELD, MOTOR1, MOTOR2, NAMES, ROW, SHANK, STAND, THIGH, Leg
 from workbench.core import SimulationError
 from workbench.rigs import HiddenEffect, VirtualLeg
-from workbench.rigs.friction import merged
+from workbench.rigs.events import State
 from workbench.rigs.hidden import install
 from workbench.rigs.integrate import Integrator
-from workbench.rigs.integrate_flexible import FlexibleIntegrator, State
 from workbench.rigs.machine import ACTUATOR_DAMPING, Machine
-from workbench.rigs.smooth_leg import passive_torque
 
 HIP = HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 200.0, "damping": 0.3})
 DRIVE = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 120.0, "damping": 0.2})
@@ -36,8 +34,8 @@ def machine(*effects: HiddenEffect, damping: bool = True) -> Machine:
 
 def run(
     made: Machine, torque: Sequence[float] = (0.0, 0.0), rows: int = 300, speeds: Sequence[float] = ()
-) -> tuple[FlexibleIntegrator, list[State]]:
-    leg = FlexibleIntegrator(made)
+) -> tuple[Integrator, list[State]]:
+    leg = Integrator(made)
     q, v = leg.start(*START)
     states = [(q, list(speeds) or v)]
     for row in range(rows):
@@ -51,7 +49,7 @@ def swings(row: float) -> float:
     return np.cos(2 * np.pi * 3.0 * np.floor(row / HELD + 1e-9) * HELD * ROW)
 
 
-def energies(leg: FlexibleIntegrator, states: list[State]) -> np.ndarray:
+def energies(leg: Integrator, states: list[State]) -> np.ndarray:
     return np.array([leg.leg.energy(q, v) for q, v in states])
 
 
@@ -76,6 +74,7 @@ def outside(torque: Sequence[float], springs: Sequence[tuple], stand: tuple[floa
 
 
 CASES = {
+    "rigid": ((), (), [], (0.0, 0.0)),
     "hip drive": (("motor 1",), (HIP,), [(MOTOR1, THIGH, 200.0, 0.3, 0.0)], (0.0, 0.0)),
     "knee pin": (("crank",), (PIN,), [(CRANK, SHANK, 90.0, 0.1, 0.0)], (0.0, 0.0)),
     "stand": (("stand",), (BASE,), [], (8000.0, 15.0)),
@@ -103,28 +102,6 @@ def test_motion_is_that_of_masses_and_jacobians(case: str) -> None:
     ours = np.array([np.concatenate(state) for state in states])
     np.testing.assert_allclose(ours[:, : len(free)], expected[:, chosen], atol=3e-8)
     np.testing.assert_allclose(ours[:, len(free) :], expected[:, [6 + i for i in chosen]], atol=3e-6)
-
-
-def test_with_nothing_loose_it_is_the_rigid_leg() -> None:
-    """Same motion as the fast integrator, springs and two dry frictions included."""
-    effects = [
-        HiddenEffect("coulomb_friction", "hip", parameters={"torque": 0.1}),
-        HiddenEffect("stribeck_friction", "knee", "joint", {"coulomb": 0.05, "static": 0.1, "speed": 0.3}),
-        HiddenEffect("parallel_spring", "knee", "joint", {"stiffness": 1.0, "rest": 0.5}),
-    ]
-    made = machine(*effects)
-    fast = Integrator(
-        made.structure,
-        (made.damping[0], made.damping[1]),
-        [passive_torque(p) for p in made.passive],
-        merged(made.frictions),
-    )
-    leg, states = run(made, (0.6, 0.2), rows=500)
-    state = fast.start(*START)
-    for row in range(500):
-        swing = swings(row)
-        state = fast.advance(state, 0.6 * swing, 0.2 * swing, 1e-3)
-        np.testing.assert_allclose(state, leg.motors(states[row + 1]), atol=1e-10)
 
 
 @pytest.mark.parametrize("effects", [(HIP, DRIVE, PIN, BASE), (PLAY, BASE)], ids=["springs", "backlash"])
@@ -172,7 +149,7 @@ def test_resistance_only_takes_energy(effects: tuple[HiddenEffect, ...]) -> None
 
 def test_within_the_gap_the_motor_turns_alone() -> None:
     """J a + B w = u up to the flank, while the link falls as if there were no motor."""
-    leg = FlexibleIntegrator(machine(PLAY))
+    leg = Integrator(machine(PLAY))
     state, rate, met = leg.start(*START), ACTUATOR_DAMPING / 0.0162, 0
     for t in np.arange(1, 25) * ROW:
         state = leg.advance(state, 0.0, 0.5, ROW)

@@ -10,7 +10,7 @@ from workbench.core import Recording, SimulationError
 from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg
 from workbench.rigs.experiments import HOLD
 from workbench.rigs.integrate import Integrator
-from workbench.rigs.machine import ACTUATOR_DAMPING, Machine
+from workbench.rigs.machine import Machine
 
 
 def log(*hidden: HiddenEffect, experiment: Experiment | None = None) -> Recording:
@@ -22,12 +22,12 @@ def truth(recording: Recording, at: float = 0.0, parts: int = 1) -> np.ndarray:
 
     With `parts` also between rows, (N parts, 4).
     """
-    leg = Integrator(Machine().structure, (ACTUATOR_DAMPING, ACTUATOR_DAMPING))
+    leg = Integrator(Machine())
     state, seen = leg.start(HOLD[0], HOLD[0] + HOLD[1]), []
     for u1, u2 in recording.signals["torque_measured"]:
         fine = state
         for _ in range(parts):
-            seen.append(leg.advance(fine, u1, u2, at) if at else fine)
+            seen.append(leg.motors(leg.advance(fine, u1, u2, at) if at else fine))
             fine = leg.advance(fine, u1, u2, 1e-3 / parts)
         state = leg.advance(state, u1, u2, 1e-3)
     return np.array(seen)

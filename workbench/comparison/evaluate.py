@@ -19,7 +19,7 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .standing import FORCE, on_ground
 from .touching import contact_notes
-from .where import locate
+from .where import Excess
 
 
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
@@ -28,7 +28,11 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     parts = [Sums.of(simulated, i) for i in range(len(recordings))]
 
     def where(entries: Sequence[RecordingError]) -> tuple[Share, ...]:
-        return (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model)))
+        parts, rate = [], max(1.0 / e.recording.period for e in entries)
+        for k, e in enumerate(entries):
+            parts.append(Excess(rate=rate))
+            parts[-1].add(e.recording, e.simulated, [draw[k] for draw in simulated.noisy], 0.0)
+        return (*line_shares(entries), *Excess.located(parts, entries, axis_units(model)))
 
     free = not any(map(on_ground, recordings)) and not model.posture_dependent
     inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels) if free else None

@@ -27,7 +27,7 @@ from .simulated import Simulated
 from .standing import on_ground
 from .survey import Survey
 from .touching import contact_notes
-from .where_long import Excess
+from .where import Excess
 
 NUMBERS = 240_000  # rows times axes of a stretch: some 200 MB with the runs of it
 _LEAD_S = 1.0  # before a stretch, in which a loop forgets that it was begun with noisy readings
@@ -94,8 +94,8 @@ def compare_logs(
 
     def where(entries: Sequence[RecordingError]) -> tuple[Share, ...]:
         shown = [replace(e, covers=None) for e in entries]
-        spread = Excess.together([p.excess for p in parts], entries)
-        return (*line_shares(shown), *spread.shares(axis_units(model)))
+        spread = Excess.located([p.excess for p in parts], entries, axis_units(model))
+        return (*line_shares(shown), *spread)
 
     notes = (*_notes(model, parts), *contact_notes(model, sample))
     return told(concluded(model, sums, scale, where, _inverse(parts), notes))

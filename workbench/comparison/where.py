@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -13,43 +14,100 @@ from .score import scored_signals
 
 _BINS = 8
 _SMALLEST, _MOST = 0.02, 8  # share worth a line, and how many are
+_ROWS = "above", "speed", "position", "time"
+_KINDS = "position", "torque"
 
 
-def locate(
-    errors: Sequence[RecordingError], noisy: Sequence[Sequence[Recording]], units: Sequence[str]
-) -> tuple[Share, ...]:
-    """Return the intervals with most of the excess squared error of each axis and signal.
+@dataclass
+class _Signal:
+    """One axis and signal: rows that were kept, and power by frequency of all."""
 
-    Position and torque are each normalised by their noise, and what the noisy simulations leave in the
-    same interval is subtracted, so that within one quantity shares add up to 1 over axes and signals.
+    rows: dict[str, list[np.ndarray]] = field(default_factory=lambda: {name: [] for name in _ROWS})
+    power: np.ndarray = field(default_factory=lambda: np.zeros(()))
+
+    def column(self, name: str) -> np.ndarray:
+        return np.concatenate(self.rows[name]).astype(float)
+
+
+class Excess:
+    """Squared residual above the noise of one source, collected stretch by stretch.
 
     Args:
-        errors: recordings with their simulations and noise.
-        noisy: simulations with noise, one list per draw.
-        units: ``rad`` or ``m`` per axis.
+        every: of so many rows one is kept; a prime at least as large, so that it goes with no tick.
+        rate: of the rows that say where the frequency bands end [Hz]; default: those that are added.
     """
-    axes = errors[0].recording.axes
-    edges = bands(max(1.0 / e.recording.period for e in errors))
-    tables: dict[tuple[str, str, str], tuple[np.ndarray, np.ndarray]] = {}
-    for kind, signal in enumerate(("position", "torque")):
-        for i, axis in enumerate(axes):
-            draws = [[draw[k] for draw in noisy] for k in range(len(errors))]
-            parts = [ResidualSeries.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
-            parts = [p for p in parts if p is not None]
+
+    def __init__(self, every: int = 1, rate: float | None = None) -> None:
+        self._every = next(
+            k for k in range(every, 2 * every + 2) if k == 1 or all(k % d for d in range(2, k))
+        )
+        self._signals: dict[tuple[int, int], _Signal] = {}
+        self._edges = None if rate is None else _bands(rate)
+
+    def add(self, recording: Recording, clean: Recording, noisy: Sequence[Recording], start: float) -> None:
+        """Add a stretch that begins at `start` [s], with its runs."""
+        self._edges = _bands(1.0 / recording.period) if self._edges is None else self._edges
+        valid = recording.valid
+        for kind, name in enumerate(scored_signals(recording)):
+            for i in range(len(recording.axes)):
+                expected = clean.signals[name][valid, i]
+                residual = recording.signals[name][valid, i] - expected
+                wobbles = np.stack([n.signals[name][valid, i] - expected for n in noisy])  # (draws, N)
+                rows = {
+                    "above": residual**2 - np.mean(wobbles**2, axis=0),
+                    "speed": clean.signals["velocity"][valid, i],
+                    "position": recording.position[valid, i],
+                    "time": recording.time[valid] + start,
+                }
+                own = self._signals.setdefault((kind, i), _Signal())
+                for row, values in rows.items():
+                    kept = values[:: self._every]
+                    own.rows[row].append(kept if self._every == 1 else kept.astype(np.float32))
+                powers = [_power(w, recording.period, self._edges) for w in wobbles]
+                own.power = (
+                    own.power + _power(residual, recording.period, self._edges) - np.mean(powers, axis=0)
+                )
+
+    @staticmethod
+    def located(
+        sources: Sequence[Excess], entries: Sequence[RecordingError], units: Sequence[str]
+    ) -> tuple[Share, ...]:
+        """Return the intervals with most of the excess squared error of each axis and signal.
+
+        Position and torque are each normalised by their noise, and what the noisy simulations leave in the
+        same interval is subtracted, so that within one quantity shares add up to 1 over axes and signals.
+
+        Args:
+            sources: the excess of each recording.
+            entries: the recordings with their noise.
+            units: ``rad`` or ``m`` per axis.
+        """
+        axes = entries[0].recording.axes
+        tables: dict[tuple[str, str, str], tuple[np.ndarray, np.ndarray]] = {}
+        for key in sorted({k for s in sources for k in s._signals}):
+            kind, i = key
+            parts = []
+            for source, e in zip(sources, entries, strict=True):
+                noise = float((e.position_noise, e.torque_noise)[kind][i])
+                if key in source._signals and np.isfinite(noise) and noise > 0:
+                    parts.append((source, source._signals[key], noise**-2))
             if not parts:
                 continue
-            above = np.concatenate([p.above for p in parts])
-            for quantity in ("speed", "position", "time"):
-                values = np.concatenate([getattr(p, quantity) for p in parts])
-                tables[axis, signal, quantity] = bins(values, above)
-            tables[axis, signal, "frequency"] = (
+            name = axes[i], _KINDS[kind]
+            # rows stand for as many as were left out
+            above = np.concatenate([p._every * weight * own.column("above") for p, own, weight in parts])
+            for quantity in _ROWS[1:]:
+                values = np.concatenate([own.column(quantity) for _, own, _ in parts])
+                tables[*name, quantity] = _bins(values, above)
+            edges = max((p._edges for p, _, _ in parts if p._edges is not None), key=lambda e: e[-1])
+            tables[*name, "frequency"] = (
                 edges,
-                sum((p.spectrum(edges) for p in parts), np.zeros(_BINS)),
+                np.sum([weight * own.power for _, own, weight in parts], axis=0),
             )
-    return shares_of(tables, axes, units)
+        return _largest(tables, axes, units)
 
 
-def shares_of(
+def _largest(
     tables: Mapping[tuple[str, str, str], tuple[np.ndarray, np.ndarray]],
     axes: Sequence[str],
     units: Sequence[str],
@@ -71,55 +129,19 @@ def shares_of(
     return tuple(shares[:_MOST])
 
 
-class ResidualSeries:
-    """One axis and signal of one recording: squared residual above the noise, row by row.
-
-    `residual` (N,) and `wobbles` (draws, N) are in units of the noise's root mean square; `speed`,
-    `position`, `time`, each (N,), say where a row lies.
-    """
-
-    def __init__(self, e: RecordingError, residual: np.ndarray, wobbles: np.ndarray, axis: int) -> None:
-        valid = e.recording.valid
-        self.residual, self.wobbles = residual, wobbles
-        self.rate = 1.0 / e.recording.period
-        self.speed = e.simulated.signals["velocity"][valid, axis]
-        self.position = e.recording.position[valid, axis]
-        self.time = e.recording.time[valid]
-        self.above = residual**2 - np.mean(wobbles**2, axis=0)
-
-    @staticmethod
-    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> ResidualSeries | None:
-        """Return the series; None if the signal was not measured or has no noise to compare with."""
-        names = scored_signals(e.recording)
-        if kind >= len(names):
-            return None
-        noise = (e.position_noise, e.torque_noise)[kind][axis]
-        if not np.isfinite(noise) or noise <= 0:
-            return None
-        valid, name = e.recording.valid, names[kind]
-        clean = e.simulated.signals[name][valid, axis]
-        wobbles = np.stack([n.signals[name][valid, axis] - clean for n in noisy])
-        return ResidualSeries(
-            e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis
-        )
-
-    def spectrum(self, edges: np.ndarray) -> np.ndarray:
-        """Return the squared residual above the noise in each frequency band, (bands,)."""
-        noise = np.mean([self._power(w, edges) for w in self.wobbles], axis=0)
-        return self._power(self.residual, edges) - noise
-
-    def _power(self, values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-        f, density = scipy.signal.welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)  # pyright: ignore[reportArgumentType]
-        index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
-        return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
+def _power(values: np.ndarray, period: float, edges: np.ndarray) -> np.ndarray:
+    """Return the sum of squares of rows `period` [s] apart in each frequency band, (bands,)."""
+    f, density = scipy.signal.welch(values, fs=1.0 / period, nperseg=min(len(values), 4096), detrend=False)  # pyright: ignore[reportArgumentType]
+    index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
+    return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
 
 
-def bands(rate: float) -> np.ndarray:
+def _bands(rate: float) -> np.ndarray:
     """Return edges of the frequency bands [Hz], from zero to half the row rate."""
     return np.concatenate([[0.0], np.geomspace(rate / 2000.0, rate / 2.0, _BINS)])
 
 
-def bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return edges between intervals with equal numbers of rows, and the excess in each."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 2:

@@ -10,7 +10,6 @@ from .links_page import axis_rows, link_rows, links_sentences, links_sheet
 from .page import actuator_sheet, leg_sheet, readable
 from .picture import actuator_figure, fit_figure, links_figure
 from .result import ActuatorIdentification, LegIdentification, LinksIdentification
-from .two_mass import fit_two_mass, two_mass_numbers
 
 __all__ = [
     "ActuatorIdentification",
@@ -24,7 +23,6 @@ __all__ = [
     "fit_actuator",
     "fit_figure",
     "fit_leg",
-    "fit_two_mass",
     "identify_actuator",
     "identify_leg",
     "identify_links",
@@ -35,7 +33,6 @@ __all__ = [
     "links_sheet",
     "readable",
     "serial_form",
-    "two_mass_numbers",
     "with_actuator",
     "with_leg",
 ]  # fmt: skip

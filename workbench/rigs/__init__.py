@@ -4,8 +4,6 @@ from workbench.mechanism import ClosedChain
 
 from .bench import VirtualBench
 from .draw import draw_hidden
-from .drive_side import DriveSide, drive_side
-from .drive_train import DriveTrain
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
@@ -23,10 +21,9 @@ from .virtual_leg import PERFECT, Sensors, VirtualLeg
 from .virtual_motor import VirtualMotor
 
 __all__ = [
-    "DEMO_EFFECTS", "DRAWN_EFFECTS", "EFFECTS", "OUTSIDERS", "PERFECT", "ClosedChain", "DriveSide",
-    "DriveTrain", "Experiment", "HiddenEffect", "HiddenIn", "LegStructure", "LiveLeg", "LiveShaft",
-    "MotorBank", "OwnExperiment", "Plate", "Sensors", "VirtualBench", "VirtualLeg", "VirtualMotor", "chirp",
-    "demo_experiments", "draw_hidden", "draw_own", "drive_side",
-    "hidden_effect", "leg_structure", "multisine", "plate_experiments", "revealing_experiments", "slow_sweep",
-    "validation", "work_and_rest",
+    "DEMO_EFFECTS", "DRAWN_EFFECTS", "EFFECTS", "OUTSIDERS", "PERFECT", "ClosedChain", "Experiment",
+    "HiddenEffect", "HiddenIn", "LegStructure", "LiveLeg", "LiveShaft", "MotorBank", "OwnExperiment",
+    "Plate", "Sensors", "VirtualBench", "VirtualLeg", "VirtualMotor", "chirp", "demo_experiments",
+    "draw_hidden", "draw_own", "hidden_effect", "leg_structure", "multisine", "plate_experiments",
+    "revealing_experiments", "slow_sweep", "validation", "work_and_rest",
 ]  # fmt: skip

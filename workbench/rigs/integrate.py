@@ -1,217 +1,246 @@
 """Integrates the leg through one stretch of constant motor torque, including stick and slip.
 
-Two coordinates are too few for numpy to pay off, so this is plain float code: RK4 with the mode of every
-dry friction (sticking, or sliding one way) fixed within a step. A slip speed that changes sign ends the step
-at the crossing, where the friction either catches the pin or the pin turns round.
+RK4 with the mode of every dry friction (sticking, or sliding one way) fixed within a step. The step is cut
+where a slip speed changes sign, at which the friction either catches the pin or the pin turns round; where a
+backlash meets a flank; and where a hysteresis turns back: so every piece is smooth. Steps are a fraction of
+the fastest mode's time. So few coordinates are too few for numpy to pay off: this is plain float code.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from math import copysign, cos
+from collections.abc import Callable
+from dataclasses import replace
+from math import copysign
+from operator import itemgetter
 
-from .friction import Friction
-from .smooth_leg import PassiveTorque, State, rk4, smooth_acceleration
-from .structure import LegStructure
+from workbench.core import SimulationError
 
-STEP = 0.25e-3  # largest integration step [s]
-_MAX_EVENTS = 30  # in one step; more is chatter, which sticks
+from .along import Along, Vector
+from .events import TIGHT, State, Switch, crossing, flank, slip
+from .flexible import SHANK, THIGH, FlexibleLeg
+from .friction import merged
+from .hysteresis import Hysteresis
+from .machine import Machine
+from .place import Law, Passive, Place
+from .rk4 import Rate, rk4
+
+Push = Callable[[float, float, float, float], tuple[float, float]]
+
+_STEP = 1e-3 / 3  # largest integration step [s]: a row in three
+_PART = 0.25  # a step over the time in which the fastest mode turns by a radian
+_SHORTEST = 1e-5  # s
+_MAX_EVENTS = 40  # in one step
 
 
 class Integrator:
-    """The leg with actuators; it stores the stick-slip modes between calls, so use one per run.
+    """The leg with actuators; it stores modes and memories between calls, so use one per run.
 
     Args:
-        structure: inertia and gravity of links, rotors included.
-        damping: viscous damping of the two drives [N m s/rad].
-        passive: further smooth torques.
-        frictions: dry frictions, of at most two independent directions.
+        machine: its mechanical parts.
+        push: torque on thigh and shank (2,) [N m] from outside, of their angles and speeds.
+
+    Raises:
+        SimulationError: more than two dry frictions, or a spring too stiff to follow.
     """
 
-    def __init__(
-        self,
-        structure: LegStructure,
-        damping: tuple[float, float],
-        passive: Sequence[PassiveTorque] = (),
-        frictions: Sequence[Friction] = (),
-    ) -> None:
-        self._structure, self._damping = structure, damping
-        self._passive, self._frictions = tuple(passive), tuple(frictions)
+    def __init__(self, machine: Machine, push: Push | None = None) -> None:
+        self.leg = leg = FlexibleLeg(machine)
+        self._push = push
+        self._frictions = merged(
+            [
+                replace(f, direction=leg.direction(Place(0, (f.direction[0], f.direction[1]), f.at_pin)))
+                for f in machine.frictions
+            ]
+        )
+        self._rubs = [Along(f.direction) for f in self._frictions]
         self._modes: list[int] = []  # of each friction: 0 sticks, 1 and -1 slide; from the first state on
-        self._slide = smooth_acceleration(structure, damping, self._passive)
+        self._memories = [
+            (Along(leg.direction(at)), Hysteresis(torque, stiffness))
+            for at, torque, stiffness in machine.hystereses
+        ]
+        self._passive: list[tuple[Along, Along, Law]] = [
+            *((*self._ways(p), p.law) for p in machine.passive),
+            *((along, along, memory.torque) for along, memory in self._memories),
+        ]
+        self._switches = self._list_switches()
+        self._smooth = not (self._frictions or self._switches)
+        self._step = self._choose_step(machine)
 
-    @staticmethod
-    def start(q1: float, q2: float) -> State:
-        """Return the state at rest at motor angles `q1`, `q2` [rad]."""
-        return q1, q2, 0.0, 0.0
+    def _ways(self, passive: Passive) -> tuple[Along, Along]:
+        """Directions along which a smooth torque acts, and whose motion it feels."""
+        felt = replace(passive.at, direction=passive.feels or passive.at.direction)
+        return Along(self.leg.direction(passive.at)), Along(self.leg.direction(felt))
 
-    @staticmethod
-    def motors(state: State) -> tuple[float, float, float, float]:
-        """Return angles [rad] and speeds [rad/s] of the motors: with rigid drives, the state itself."""
-        return state
+    def _list_switches(self) -> list[Switch]:
+        """Where memories turn back and flanks meet; slips of dry friction have modes besides."""
+        slips = [slip(along) for along, _ in self._memories]
+        gaps = self.leg.gaps()
+        return [*slips, *(flank(front, back, side * half) for front, back, half in gaps for side in (1, -1))]
+
+    def _choose_step(self, machine: Machine) -> float:
+        # at a reversal a hysteresis is twice as stiff as at first
+        springs = [(self.leg.direction(at), 2 * stiffness) for at, _, stiffness in machine.hystereses]
+        fastest = self.leg.fastest(springs)
+        step = min(_STEP, _PART / max(fastest, 1.0))
+        if step < _SHORTEST:
+            raise SimulationError(
+                f"a mode of the leg oscillates at {fastest:.2g} rad/s, too fast to simulate: "
+                "make its spring softer"
+            )
+        return step
+
+    def start(self, q1: float, q2: float) -> State:
+        """Return the state at rest with the motors at `q1`, `q2` [rad] and relaxed springs."""
+        q = self.leg.start(q1, q2)
+        for along, memory in self._memories:
+            memory.start(along.read(q))
+        return q, [0.0] * self.leg.size
+
+    def motors(self, state: State) -> tuple[float, float, float, float]:
+        """Return angles [rad] and speeds [rad/s] of the motors."""
+        (first, second), (q, v) = self.leg.motors, state
+        return q[first], q[second], v[first], v[second]
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
-        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m] (gain and bias in)."""
-        steps = max(1, int(duration / STEP + 0.999999))
+        """Return the state after `duration` [s] under motor torques `u1`, `u2` [N m], after gain and bias."""
+        outside = [0.0] * self.leg.size
+        outside[self.leg.motors[0]] += u1
+        outside[self.leg.motors[1]] += u2
+        steps = max(1, int(duration / self._step + 0.999999))
         h = duration / steps
-        if not self._frictions:
-            for _ in range(steps):
-                state = rk4(self._slide, state, u1, u2, h)
-            return state
+        load = (abs(u1), abs(u2))
         if not self._modes:
-            slips = [d1 * state[2] + d2 * state[3] for d1, d2 in (f.direction for f in self._frictions)]
+            slips = [along.read(state[1]) for along in self._rubs]
             self._modes = [(slip > 0.0) - (slip < 0.0) for slip in slips]
+        if self._smooth:
+            rate = self._rate(outside, load)
+            for _ in range(steps):
+                state = rk4(rate, state, h)
+            return state
         for _ in range(steps):
-            state = self._step_with_friction(state, u1, u2, h)
+            state = self._cut_step(state, outside, load, h)
         return state
 
-    def _step_with_friction(self, state: State, u1: float, u2: float, h: float) -> State:
-        """One step, cut at every zero crossing of a slip speed."""
-        load = (u1, u2)
+    def _cut_step(self, state: State, outside: Vector, load: tuple[float, float], h: float) -> State:
+        """One step, cut at every event."""
         for _ in range(_MAX_EVENTS):
-            self._release(state, u1, u2)
-            rate = self._rate(load)
-            after = rk4(rate, state, u1, u2, h)
-            crossing = self._first_crossing(rate, state, after, u1, u2, h)
-            if crossing is None:
-                return self._pinned(after)
-            index, part = crossing
-            state = rk4(rate, state, u1, u2, part)
-            self._modes[index] = 0
-            state = self._pinned(state)
+            self.leg.meet(*state)
+            if 0 in self._modes:
+                self._release(state, outside, load)
+            rate = self._rate(outside, load)
+            after = rk4(rate, state, h)
+            event = self._first_event(rate, state, after, h)
+            if event is None:
+                return self._settled(after)
+            part, rub = event
+            state = rk4(rate, state, part)
+            if rub is not None:
+                self._modes[rub] = 0
+            state = self._settled(state)
             h -= part
             if h <= 1e-12:
                 return state
-        return self._pinned(rk4(self._rate(load), state, u1, u2, h))
+        return self._settled(rk4(self._rate(outside, load), state, h))
 
-    def _release(self, state: State, u1: float, u2: float) -> None:
-        """Lets go every stuck pin whose holding torque exceeds its static limit."""
+    def _first_event(
+        self, rate: Rate, state: State, after: State, h: float
+    ) -> tuple[float, int | None] | None:
+        """When the first event within `h` is [s], and which dry friction turns round there, if one does."""
+        found: list[tuple[float, int | None]] = []
+
+        def when(switch: Switch, begin: float, end: float) -> float:
+            return crossing(lambda part: switch(rk4(rate, state, part)), begin, end, h)
+
+        for rub, (along, mode) in enumerate(zip(self._rubs, self._modes, strict=True)):
+            if mode and mode * (end := along.read(after[1])) < 0.0:
+                found.append((when(slip(along), along.read(state[1]), end), rub))
+        for switch in self._switches:
+            begin, end = switch(state), switch(after)
+            if begin * end < 0.0 and abs(begin) > TIGHT:
+                found.append((when(switch, begin, end), None))
+        return min(found, key=itemgetter(0), default=None)
+
+    def _release(self, state: State, outside: Vector, load: tuple[float, float]) -> None:
+        """Lets go every stuck friction whose holding torque exceeds its static limit, the worst first."""
+        q, v = state
         for _ in self._frictions:
-            holding = self._holding(state, u1, u2)
-            excess = []
-            for index, torque in holding.items():
-                friction = self._frictions[index]
+            worst, chosen, way = 0.0, None, 0
+            for rub, torque in self._holding(q, self._applied(q, v, outside, load)).items():
                 direction = copysign(1.0, -torque)
-                limit = self._level(friction, direction * 0.0, state, (u1, u2))
-                excess.append((abs(torque) - limit, index, int(direction)))
-            worst = max(excess, default=(0.0, 0, 0))
-            if worst[0] <= 0.0:
+                excess = abs(torque) - self._level(rub, direction * 0.0, q, load)
+                if excess > worst:
+                    worst, chosen, way = excess, rub, int(direction)
+            if chosen is None:
                 return
-            self._modes[worst[1]] = worst[2]
+            self._modes[chosen] = way
 
-    def _holding(self, state: State, u1: float, u2: float) -> dict[int, float]:
-        """Torque that each stuck pin needs to stay stuck [N m], by index."""
-        stuck = [i for i, mode in enumerate(self._modes) if mode == 0]
+    def _applied(self, q: Vector, v: Vector, outside: Vector, load: tuple[float, float]) -> Vector:
+        """All torque except that of stuck frictions and inertia (n,) [N m]."""
+        t = self.leg.forces(q, v, outside)
+        for along, felt, law in self._passive:
+            torque = law(felt.read(q), felt.read(v))
+            for i, d in along.terms:
+                t[i] += d * torque
+        if self._push is not None:
+            thigh, shank = self._push(q[THIGH], q[SHANK], v[THIGH], v[SHANK])
+            t[THIGH] += thigh
+            t[SHANK] += shank
+        for rub, mode in enumerate(self._modes):
+            if mode:
+                along = self._rubs[rub]
+                torque = mode * self._level(rub, copysign(abs(along.read(v)), mode), q, load)
+                for i, d in along.terms:
+                    t[i] -= d * torque
+        return t
+
+    def _level(self, rub: int, slip: float, q: Vector, load: tuple[float, float]) -> float:
+        friction = self._frictions[rub]
+        pressing = 0.0 if friction.load_axis is None else load[friction.load_axis]
+        return friction.level(slip, self._rubs[rub].read(q), pressing)
+
+    def _holding(self, q: Vector, applied: Vector) -> dict[int, float]:
+        """Torque that each stuck friction needs to stay stuck [N m], by index."""
+        stuck = [rub for rub, mode in enumerate(self._modes) if mode == 0]
         if not stuck:
             return {}
-        torque1, torque2 = self._applied(state, u1, u2)
-        m11, m12, m22, det = self._mass(state)
-        a1, a2 = (m22 * torque1 - m12 * torque2) / det, (m11 * torque2 - m12 * torque1) / det
-        directions = [self._frictions[i].direction for i in stuck]
-        needed = [-(d[0] * a1 + d[1] * a2) for d in directions]
-
-        def coupling(d: tuple[float, ...], e: tuple[float, ...]) -> float:
-            return (d[0] * (m22 * e[0] - m12 * e[1]) + d[1] * (m11 * e[1] - m12 * e[0])) / det
-
+        free = self.leg.give(q, applied)
+        reads = [self._rubs[rub].read for rub in stuck]
+        gives = [self.leg.give(q, self._rubs[rub].vector) for rub in stuck]
+        w11, n1 = reads[0](gives[0]), -reads[0](free)
         if len(stuck) == 1:
-            return {stuck[0]: needed[0] / coupling(directions[0], directions[0])}
-        (d, e), (n1, n2) = directions, needed
-        w11, w12, w22 = coupling(d, d), coupling(d, e), coupling(e, e)
+            return {stuck[0]: n1 / w11}
+        w12, w22, n2 = reads[0](gives[1]), reads[1](gives[1]), -reads[1](free)
         area = w11 * w22 - w12 * w12
         return {stuck[0]: (w22 * n1 - w12 * n2) / area, stuck[1]: (w11 * n2 - w12 * n1) / area}
 
-    def _applied(self, state: State, u1: float, u2: float) -> tuple[float, float]:
-        """All torque except that of stuck pins and inertia, (2,) [N m]."""
-        q1, q2, v1, v2 = state
-        a1, a2 = self._slide(q1, q2, v1, v2, u1, u2)
-        m11, m12, m22, _ = self._mass(state)
-        t1, t2 = m11 * a1 + m12 * a2, m12 * a1 + m22 * a2
-        for friction, mode in zip(self._frictions, self._modes, strict=True):
-            if mode:
-                d1, d2 = friction.direction
-                slip = copysign(abs(d1 * v1 + d2 * v2), mode)
-                torque = mode * self._level(friction, slip, state, (u1, u2))
-                t1, t2 = t1 - d1 * torque, t2 - d2 * torque
-        return t1, t2
-
-    def _rate(self, load: tuple[float, float]) -> Callable[..., tuple[float, float]]:
+    def _rate(self, outside: Vector, load: tuple[float, float]) -> Rate:
         """Acceleration with the modes as they stand now."""
-        slide, stuck = self._slide, 0 in self._modes
+        forces, give, applied = self.leg.forces, self.leg.give, self._applied
+        if not (self._passive or self._frictions or self._push):
+            return lambda q, v: give(q, forces(q, v, outside))
+        if 0 not in self._modes:
+            return lambda q, v: give(q, applied(q, v, outside, load))
 
-        def rate(q1: float, q2: float, v1: float, v2: float, u1: float, u2: float) -> tuple[float, float]:
-            for friction, mode in zip(self._frictions, self._modes, strict=True):
-                if mode:
-                    d1, d2 = friction.direction
-                    slip = copysign(abs(d1 * v1 + d2 * v2), mode)
-                    position = d1 * q1 + d2 * q2
-                    pressing = 0.0 if friction.load_axis is None else abs(load[friction.load_axis])
-                    torque = mode * friction.level(slip, position, pressing)
-                    u1, u2 = u1 - d1 * torque, u2 - d2 * torque
-            return slide(q1, q2, v1, v2, u1, u2)
+        def rate(q: Vector, v: Vector) -> Vector:
+            t = applied(q, v, outside, load)
+            for rub, torque in self._holding(q, t).items():
+                for i, d in self._rubs[rub].terms:
+                    t[i] += d * torque
+            return give(q, t)
 
-        def rate_with_stuck(
-            q1: float, q2: float, v1: float, v2: float, u1: float, u2: float
-        ) -> tuple[float, float]:
-            torques = self._holding((q1, q2, v1, v2), u1, u2)
-            for index, torque in torques.items():
-                d1, d2 = self._frictions[index].direction
-                u1, u2 = u1 + d1 * torque, u2 + d2 * torque
-            return rate(q1, q2, v1, v2, u1, u2)
+        return rate
 
-        return rate_with_stuck if stuck else rate
-
-    def _first_crossing(
-        self, rate: Callable, state: State, after: State, u1: float, u2: float, h: float
-    ) -> tuple[int, float] | None:
-        """The first sliding pin to turn round within `h` and when [s], by regula falsi on the step length."""
-        first: tuple[int, float] | None = None
-        for index, (friction, mode) in enumerate(zip(self._frictions, self._modes, strict=True)):
-            d1, d2 = friction.direction
-            if not mode or mode * (d1 * after[2] + d2 * after[3]) >= 0.0:
-                continue
-            low, high = 0.0, h
-            slip_low, slip_high = d1 * state[2] + d2 * state[3], d1 * after[2] + d2 * after[3]
-            for _ in range(8):
-                part = low - slip_low * (high - low) / (slip_high - slip_low)
-                if not low < part < high:
-                    break
-                there = rk4(rate, state, u1, u2, part)
-                slip = d1 * there[2] + d2 * there[3]
-                if mode * slip >= 0.0:
-                    low, slip_low = part, slip
-                else:
-                    high, slip_high = part, slip
-                if abs(slip) < 1e-12:
-                    break
-            part = low if abs(slip_low) < abs(slip_high) else high
-            if first is None or part < first[1]:
-                first = (index, part)
-        return first
-
-    def _pinned(self, state: State) -> State:
-        """Takes rounding errors out of the slip speed of stuck pins, by an impulse along each."""
-        stuck = [i for i, mode in enumerate(self._modes) if mode == 0]
-        if not stuck:
-            return state
-        q1, q2, v1, v2 = state
-        if len(stuck) > 1:
-            return q1, q2, 0.0, 0.0
-        d1, d2 = self._frictions[stuck[0]].direction
-        m11, m12, m22, _ = self._mass(state)
-        w1, w2 = m22 * d1 - m12 * d2, m11 * d2 - m12 * d1
-        impulse = (d1 * v1 + d2 * v2) / (d1 * w1 + d2 * w2)
-        if not d2:
-            return q1, q2, 0.0, v2 - w2 * impulse
-        v1 -= w1 * impulse
-        return q1, q2, v1, -d1 * v1 / d2  # exactly on d . v = 0
-
-    def _mass(self, state: State) -> tuple[float, float, float, float]:
-        s = self._structure
-        m12 = s.m12 * cos(state[1] - state[0])
-        return s.m11, m12, s.m22, s.m11 * s.m22 - m12 * m12
-
-    @staticmethod
-    def _level(friction: Friction, slip: float, state: State, load: tuple[float, float]) -> float:
-        position = friction.direction[0] * state[0] + friction.direction[1] * state[1]
-        pressing = 0.0 if friction.load_axis is None else abs(load[friction.load_axis])
-        return friction.level(slip, position, pressing)
+    def _settled(self, state: State) -> State:
+        """Moves the memories on, and takes rounding errors out of the slip speed of what sticks."""
+        q, v = state
+        for along, memory in self._memories:
+            memory.settle(along.read(q))
+        stuck = [along for along, mode in zip(self._rubs, self._modes, strict=True) if mode == 0]
+        for along in stuck:
+            given = self.leg.give(q, along.vector)
+            impulse = along.read(v) / along.read(given)
+            v = [x - impulse * y for x, y in zip(v, given, strict=True)]
+        for along in sorted(stuck, key=lambda along: len(along.terms)):
+            *others, (last, factor) = along.terms
+            v[last] = -sum(d * v[i] for i, d in others) / factor  # exactly on d . v = 0
+        return q, v

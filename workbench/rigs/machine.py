@@ -143,11 +143,6 @@ class Machine:
         return leg_structure(self.payload, (self.longer[0], self.longer[1])).plus(**vars(self.increment))
 
     @property
-    def structure(self) -> LegStructure:
-        """Return inertia and gravity with rotors rigidly connected to the links."""
-        return self.links.plus(m11=self.rotor[0], m22=self.rotor[1])
-
-    @property
     def flexible(self) -> bool:
         """Return whether the state needs more than two coordinates, or a memory."""
         return bool(self.couplings or self.hystereses or self.base)

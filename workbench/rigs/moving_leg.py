@@ -1,4 +1,4 @@
-"""The leg under its motor torques, with two coordinates where these are enough, which is fast."""
+"""The leg under its motor torques, on its stand or over a force plate."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from typing import Any, Protocol
 
 from workbench.core import SimulationError
 
-from .friction import merged
 from .integrate import Integrator
-from .integrate_flexible import FlexibleIntegrator
 from .machine import Machine
 from .sensing import Motion
-from .smooth_leg import passive_torque
 from .standing_leg import SHANK, THIGH, Contact, StandingLeg
 
 
@@ -37,14 +34,9 @@ def moving_leg(machine: Machine) -> MovingLeg:
     Raises:
         SimulationError: more than two dry frictions, or a spring too stiff to follow.
     """
-    if machine.flexible:
-        if machine.plate is not None:
-            raise SimulationError("the rig has no leg with springs or memory on a plate; hide something else")
-        return FlexibleIntegrator(machine)
-    passive = [passive_torque(each) for each in machine.passive]
-    damping = machine.damping[0], machine.damping[1]
     if machine.plate is None:
-        return Integrator(machine.structure, damping, passive, merged(machine.frictions))
+        return Integrator(machine)
+    if machine.flexible:
+        raise SimulationError("the rig has no leg with springs or memory on a plate; hide something else")
     contact = Contact(machine.plate, THIGH + machine.longer[0], SHANK + machine.longer[1])
-    leg = Integrator(machine.structure, damping, [*passive, contact.torque], merged(machine.frictions))
-    return StandingLeg(contact, leg)
+    return StandingLeg(contact, Integrator(machine, contact.torque))

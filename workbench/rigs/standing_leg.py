@@ -10,9 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import acos, atan2, copysign, cos, sin
+from typing import TYPE_CHECKING
 
-from .integrate import Integrator
-from .smooth_leg import State
+from .events import State
+
+if TYPE_CHECKING:
+    from .integrate import Integrator
 
 THIGH, SHANK = 0.175, 0.24  # m, as in the reference leg's closed chain
 _STEP = 1e-4  # s
@@ -75,16 +78,16 @@ class Contact:
             self._shank * (cos(q2) * along + sin(q2) * up) + arm * along,
         )
 
-    def settle(self, state: State) -> None:
+    def settle(self, q1: float, q2: float, v1: float, v2: float) -> None:
         """Move the anchor with a foot that slips, and release it in the air."""
-        x, z, dx, _ = self._foot(*state)
+        x, z, dx, _ = self._foot(q1, q2, v1, v2)
         plate = self._plate
         if plate.height + plate.radius - z <= 0.0:
             self._anchor = None
             return
         if self._anchor is None:
             self._anchor = x
-        _, up = self.force(*state)
+        _, up = self.force(q1, q2, v1, v2)
         stretch = -_HOLD_DAMPING * dx - _HOLD_STIFFNESS * (x - self._anchor)
         most = plate.friction * up
         if abs(stretch) > most:
@@ -106,7 +109,7 @@ class StandingLeg:
 
     Args:
         contact: of its foot.
-        leg: the integrator without it, given what the contact does as a passive torque.
+        leg: of rigid parts, pushed by the contact's torque.
     """
 
     def __init__(self, contact: Contact, leg: Integrator) -> None:
@@ -115,7 +118,7 @@ class StandingLeg:
     def start(self, q1: float, q2: float) -> State:
         """Return the state at rest with the motors at `q1`, `q2` [rad]."""
         state = self._leg.start(q1, q2)
-        self._contact.settle(state)
+        self._contact.settle(*self._leg.motors(state))
         return state
 
     def motors(self, state: State) -> tuple[float, float, float, float]:
@@ -127,12 +130,12 @@ class StandingLeg:
         steps = max(1, int(duration / _STEP + 0.999999))
         for _ in range(steps):
             state = self._leg.advance(state, u1, u2, duration / steps)
-            self._contact.settle(state)
+            self._contact.settle(*self._leg.motors(state))
         return state
 
     def ground_force(self, state: State) -> tuple[float, float, float]:
         """Return the force of the plate on the foot [N]: forward, sideways, up."""
-        along, up = self._contact.force(*state)
+        along, up = self._contact.force(*self._leg.motors(state))
         return along, 0.0, up
 
 

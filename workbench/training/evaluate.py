@@ -18,9 +18,8 @@ from workbench.rigs import Sensors
 from .draws import Draws
 from .machine import Machine, make_machine
 from .of_bundle import machine_of, task_of
-from .own_plant import OwnPlant
 from .plant import Plant
-from .plants import ClosedChainPlant, TrainedPlant
+from .plants import TrainedPlant
 from .robot import IDEAL, Robot
 from .rollout import PolicyPilot, Push, run
 from .task import Task
@@ -76,7 +75,7 @@ def evaluate(
     Raises:
         InputError: the bundle cannot be run here, or hardware and simulation are asked for at once.
     """
-    if (robot != IDEAL) if not hardware else (model or world) is not None:
+    if (robot is not IDEAL) if not hardware else (model or world) is not None:
         raise InputError(
             "deviations of a robot apply to hardware only, another model and world to simulation only",
             remedy="leave out the options of the other",
@@ -84,9 +83,7 @@ def evaluate(
     with tempfile.TemporaryDirectory() as folder:
         machine = machine_of(bundle, Path(folder), task_file)
         if hardware:
-            plant: Plant = (
-                ClosedChainPlant(machine, robot) if machine.floating else OwnPlant(machine, robot.hidden)
-            )
+            plant: Plant = robot.plant(machine)
         else:
             simulated = machine if model is None else make_machine(machine.kind, model, variant)
             plant = TrainedPlant(simulated, None if world is None else world(simulated))

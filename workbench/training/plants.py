@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -11,16 +11,16 @@ import numpy as np
 from workbench.core import InputError
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import DiscreteChain, Ground
-from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
 from .injected import Injector
 from .machine import LEGS, STEP_S, Machine
 from .plant import State
 from .quadruped import FOOT_RADIUS
-from .robot import IDEAL, Robot
 
-_SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
+_SUBSTEPS = 6  # of Drake in a control step
+SUBSTEP_S = STEP_S / _SUBSTEPS
+FEET = tuple(f"{leg}_foot" for leg in LEGS)
 _LIMB_PIECES = 12  # of a control step in the simulation of a limb: 0.25 ms, as of its hardware
 
 
@@ -28,66 +28,69 @@ class ClosedChainPlant:
     """Virtual hardware that walks: the reference quadruped with its loops in Drake, on a ground.
 
     Args:
-        machine: of kind ``quadruped``; tells the drives' inertia and damping.
-        robot: what it has beyond `machine`.
+        machine: of kind ``quadruped``.
+        ground: that its feet stand on; default: level and hard.
+        inertia, damping: of all drives (n,) [kg m^2, N m s/rad]; default: the machine's.
+
+    Attributes:
+        chain: the robot in Drake.
 
     Raises:
-        InputError: the machine's legs are not those of the reference, or drives cannot hide an effect here.
+        InputError: the machine's legs are not those of the reference.
     """
 
-    def __init__(self, machine: Machine, robot: Robot = IDEAL) -> None:
+    def __init__(
+        self, machine: Machine, ground: Ground | None = None, inertia: Sequence[float] | None = None,
+        damping: Sequence[float] | None = None,
+    ) -> None:  # fmt: skip
         _refuse_other_legs(machine)
-        self._robot, step = robot, STEP_S / _SUBSTEPS
-        ground = Ground(
-            tuple(f"{leg}_foot" for leg in LEGS),
-            FOOT_RADIUS,
-            robot.friction,
-            robot.ground_stiffness,
-            robot.ground_damping,
-            robot.roughness,
-        )
-        sides = _sides(machine, robot)
-        self._drives, self._hides = DriveTrain(sides, step), bool(robot.hidden or robot.drive_friction)
-        self._chain = DiscreteChain(
-            quadruped_mechanism(), list(self._drives.rotor), list(self._drives.damping), step, ground
-        )
-        for mass, at in ((robot.payload, (0.0,) * 3), (robot.trunk_mass, robot.trunk_at)):
-            if mass:
-                self._chain.load(mass, at)
+        own = machine.model.actuators
+        inertia = of_all_drives(own.inertia) if inertia is None else inertia
+        damping = of_all_drives(own.damping) if damping is None else damping
+        ground = ground or Ground(FEET, FOOT_RADIUS)
+        self.chain = DiscreteChain(quadruped_mechanism(), list(inertia), list(damping), SUBSTEP_S, ground)
         self._force = np.zeros((len(LEGS), 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """Set it at rest at drive positions (n,), its base level at a height [m]."""
-        base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height + self._robot.roughness])
-        self._chain.reset(drives, base=base)
-        self._drives.reset(drives)
+        self.chain.reset(drives, base=np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]))
         self._force = np.zeros_like(self._force)
 
     def advance(self, torque: np.ndarray) -> None:
         """Simulate one control step."""
-        chain, force, passed = self._chain, np.zeros_like(self._force), torque
+        force = np.zeros_like(self._force)
         for _ in range(_SUBSTEPS):
-            if self._hides:
-                passed = self._drives.advance(torque, chain.position, chain.velocity)
-            chain.advance(passed)
-            force += chain.ground_force
+            self.chain.advance(self.passed(torque))
+            force += self.chain.ground_force
         self._force = force / _SUBSTEPS
+
+    def passed(self, torque: np.ndarray) -> np.ndarray:
+        """Return what reaches the links of the drives' torque (n,) [N m] in the next step of Drake: all."""
+        return torque
+
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return angles and speeds of the rotors, which encoders see, (n,) each: those of the links."""
+        return self.chain.position, self.chain.velocity
 
     def push(self, force: np.ndarray) -> None:
         """Push the base."""
-        self._chain.push(force)
+        self.chain.push(force)
 
     def state(self) -> State:
         """Return the present state."""
-        chain, turn = self._chain, np.zeros(9)
-        base, rate = chain.base, chain.base_velocity
+        turn, base, rate = np.zeros(9), self.chain.base, self.chain.base_velocity
         mujoco.mju_quat2Mat(turn, base[:4])
         return State(
-            *self._drives.motion(chain.position, chain.velocity),
+            *self.motion(),
             np.concatenate([base[4:], base[:4]]),
             np.concatenate([rate[3:], turn.reshape(3, 3).T @ rate[:3]]),
             self._force,
         )
+
+
+def of_all_drives(of_leg: Sequence[float]) -> list[float]:
+    """Return a number of every drive, from those of hip and knee; abductions have the hip's."""
+    return [of_leg[0], *of_leg] * len(LEGS)
 
 
 def _refuse_other_legs(machine: Machine) -> None:
@@ -103,19 +106,6 @@ def _refuse_other_legs(machine: Machine) -> None:
             "quadruped",
             file=model.source, remedy="evaluate it in a simulator of your own robot",
         )  # fmt: skip
-
-
-def _sides(machine: Machine, robot: Robot) -> list[DriveSide]:
-    """Every drive with its own inertia, damping and friction and what is hidden in it; not in abductions."""
-    own, nominal = machine.model.actuators, DriveSide()
-    leg = []
-    for axis, inertia, damping in zip(machine.model.axes, own.inertia, own.damping, strict=True):
-        side = drive_side(robot.hidden, axis)
-        more = side.inertia - nominal.inertia, side.damping - nominal.damping
-        rubs = side.friction + robot.drive_friction
-        leg.append(replace(side, inertia=inertia + more[0], damping=damping + more[1], friction=rubs))
-    abduction = DriveSide(own.inertia[0], own.damping[0], friction=robot.drive_friction)
-    return [abduction, *leg] * len(LEGS)
 
 
 class TrainedPlant:

@@ -1,12 +1,14 @@
-"""Drives of a robot move as the rig's own leg says that they do, and refuse what they cannot follow."""
+"""Drives of the study's robots move as the rig's own leg says, and refuse what they cannot follow."""
 
 import numpy as np
 import pytest
+from transfer_drives import DriveSide, DriveTrain, UsedDriveBench, drive_side
 
-from workbench.core import InputError
-from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
+from workbench.core import Excitation, InputError
+from workbench.rigs import PERFECT, HiddenEffect
 
 STEP = 0.5e-3
+NOISE = Excitation("multisine")
 PLAY = DriveSide(gap=0.004, stiffness=400.0)
 
 
@@ -68,3 +70,39 @@ def test_a_drive_has_its_own_effects_only() -> None:
     with pytest.raises(InputError, match="elastic"):
         drive_side([HiddenEffect("backlash", "knee", parameters=damped)], "knee")
     assert not knee.rigid and drive_side(hidden, "hip") == DriveSide(friction=0.2)
+
+
+HIDDEN = (
+    HiddenEffect("torque_constant_error", "hip", parameters={"gain": 0.9}),
+    HiddenEffect("reflected_inertia", "hip", parameters={"inertia": 0.004}),
+    HiddenEffect("coulomb_friction", "hip", parameters={"torque": 0.3}),
+    HiddenEffect("coulomb_friction", "knee", "joint", {"torque": 9.0}),
+    HiddenEffect("payload_mass", None, parameters={"mass": 9.0}),
+)
+
+
+def test_the_drive_hides_on_the_bench_what_it_hides_in_the_leg() -> None:
+    t = 1e-3 * np.arange(600)
+    log = UsedDriveBench(HIDDEN, sensors=PERFECT).run({"a": 2.0 * np.sin(20.0 * t)}, NOISE)[0]
+    torque, w = (log.signals[k][:, 0] for k in ("torque_measured", "velocity"))
+    acceleration = np.gradient(w, 1e-3)
+    moving = (np.abs(w) > 0.2)[1:-1] & (np.abs(np.diff(torque, 2)) < 1e-12)  # amid a command that is held
+    left = 0.0202 * acceleration + 0.0972 * w + 0.3 * np.sign(w) - 0.9 * torque
+    assert moving.sum() > 100 and np.abs(left[1:-1][moving]).max() < 2e-3
+    nominal, knee = (
+        UsedDriveBench(hidden, "knee", sensors=PERFECT).run({"a": t}, NOISE)[0] for hidden in ((), HIDDEN)
+    )
+    np.testing.assert_array_equal(nominal.position, knee.position)
+
+
+def test_it_sticks_below_its_friction_and_comes_to_rest() -> None:
+    weak = UsedDriveBench(HIDDEN, sensors=PERFECT).run({"a": np.full(300, 0.32)}, NOISE)[0]
+    assert not weak.position.any()  # 0.9 of it is less than 0.3
+    push = np.where(np.arange(900) < 100, 1.0, 0.0)
+    log = UsedDriveBench(HIDDEN, sensors=PERFECT).run({"a": push}, NOISE)[0]
+    assert log.position[-1, 0] > 0.05 and not log.signals["velocity"][-200:].any()
+
+
+def test_what_a_drive_by_itself_cannot_hide_is_refused() -> None:
+    with pytest.raises(InputError, match="cogging"):
+        UsedDriveBench((HiddenEffect("cogging", "hip"),))

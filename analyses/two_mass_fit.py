@@ -7,8 +7,7 @@ import numpy as np
 from workbench.core import AXIS_SIGNALS, Estimate, InputError
 from workbench.frf.response import Frf
 from workbench.frf.sampled import System, second_order
-
-from .fit import Fit, Parameter, Problem, solve
+from workbench.identification.fit import Fit, Parameter, Problem, solve
 
 _LONGEST = 0.01  # delay that is looked for [s]; half a hold or a sensor's lag may make it negative
 _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from two_mass_fit import fit_two_mass, two_mass_numbers
 
 from workbench.frf import estimate, find_resonances
-from workbench.identification import fit_two_mass, two_mass_numbers
 from workbench.recordings import load_recording
 
 from ..data_helpers import two_mass_recording, write_toml

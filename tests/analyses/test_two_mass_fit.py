@@ -1,0 +1,57 @@
+"""A motor and a load on a spring are recovered from a response, and other responses are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from two_mass_fit import fit_two_mass, two_mass_numbers
+
+from tests.frf.machines import drive_recording, leg_recordings
+from tests.frf.sure import within
+from workbench.core import InputError
+from workbench.frf import Channel, estimate
+from workbench.frf.sampled import System, response, second_order
+
+
+def two_mass_frf(noise: float, load: bool):
+    """A response with white noise of a part of its size, and the covariance that says so."""
+    theta = np.array([0.0048, 0.0053, 600.0, 0.02, 0.03, 0.02, 0.0004])
+    spring = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    rows = np.eye(4)[:2] if load else np.eye(4)[:1]
+    both = second_order(
+        np.diag(theta[:2]), theta[3] * spring + np.diag(theta[4:6]), theta[2] * spring, theta[6], rows
+    )
+    base = within(estimate([drive_recording()], output="position"), 5, 99.9)
+    g = response(System(both.a, both.b[:, :1], both.c, theta[6]), base.omega, 1e-3)
+    generator = np.random.default_rng(0)
+    size = noise * np.abs(g).mean(axis=(1, 2), keepdims=True)
+    g = g + size / np.sqrt(2) * (generator.normal(size=g.shape) + 1j * generator.normal(size=g.shape))
+    ny = len(rows)
+    covariance = size**2 * np.eye(ny)
+    names = [Channel("position", "m", "rad"), Channel("link_position", "m", "rad")][:ny]
+    many = np.full(len(g), 1000.0)
+    return theta, replace(
+        base, response=g, covariance=covariance, noise_covariance=covariance, outputs=tuple(names),
+        coherence=np.ones((len(g), ny)), dof=many, noise_dof=many, fresh=many,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("load", [False, True])
+def test_two_masses_are_recovered(load) -> None:
+    theta, frf = two_mass_frf(0.01, load)
+    fit = fit_two_mass(frf)
+    numbers = two_mass_numbers(fit)
+    assert fit.adequate
+    assert max(abs(e.value - x) / e.std for e, x in zip(fit.parameters.values(), theta, strict=True)) < 4
+    assert numbers["inertia_ratio"].value == pytest.approx(theta[1] / theta[0], rel=0.02)
+    assert numbers["antiresonance_hz"].value == pytest.approx(np.sqrt(600 / 0.0053) / (2 * np.pi), rel=1e-3)
+    true = np.sqrt(600 * (1 / 0.0053 + 1 / 0.0048)) / (2 * np.pi)
+    assert abs(numbers["resonance_hz"].value - true) < 4 * numbers["resonance_hz"].std
+
+
+def test_responses_of_the_wrong_kind_are_refused() -> None:
+    with pytest.raises(InputError, match="a response from") as caught:
+        fit_two_mass(estimate(leg_recordings((-0.55, 0.497))))
+    assert caught.value.remedy
