@@ -115,7 +115,7 @@ def test_a_measured_torque_tells_how_the_loop_got_its_speed(
     assert told.timing.reference_held is (True if log_s > 0.002 else None)
 
 
-def test_an_arm_that_rests_now_and_then_tells_how_its_loop_works(tmp_path: Path) -> None:
+def test_an_arm_that_rests_tells_how_its_loop_works(tmp_path: Path) -> None:
     """Dry friction at rest takes any torque, also one that the model lacks: it says nothing of the loop."""
     machine = bench_arm(tmp_path, yaw_friction=2.0, lift_friction=4.0)
     log = logged(machine, log_s=0.01, loop_s=0.001, held=False, positions_alone=True, pauses=True)

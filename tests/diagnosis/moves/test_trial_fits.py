@@ -20,7 +20,7 @@ from workbench.diagnosis.screening.sensitivity import Linearisation
 _DRY = EffectKey("coulomb_friction", "m")
 
 
-def test_a_friction_is_fitted_where_one_that_contains_it_promises_more(tmp_path: Path) -> None:
+def test_what_a_promising_refinement_contains_is_fitted(tmp_path: Path) -> None:
     """Where friction holds an axis at rest for long, a first estimate of plain friction is far too poor."""
     runs = [pushed(tmp_path, wandering(k), (8.0, 0.25), seed=k, friction=lambda w: 0.05) for k in range(2)]
     model = wb.load_model(str(tmp_path / "rotor.xml"))
