@@ -14,7 +14,7 @@ from workbench.core import FORMAT, InputError, apart
 from workbench.core.files import check_format
 
 from . import complete, options
-from .common import check_model_output, check_outputs, echo, files_of, write_result
+from .common import check_model_output, check_outputs, files_of, write_result, wrote
 from .into import Into, IntoOption, check_into
 from .values import parse_lists, parse_place, with_values
 
@@ -102,9 +102,9 @@ def add(
     if quiet or json == "-":
         return
     if written is not None:
-        echo("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
+        wrote("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
         return
-    echo(f"Wrote {output}: {loaded.name} with {what}.")
+    wrote(f"Wrote {output}: {loaded.name} with {what}.")
 
 
 def with_effects(

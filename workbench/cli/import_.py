@@ -145,6 +145,8 @@ def import_(
     paths = [packaged_robot(file) or Path(file) for given in files for file in found(given)]
     path = paths[0]
     check_outputs(json, force=force)
+    if output and len(paths) == 1:
+        options.check_ending(output, ".toml")
     if len(paths) > 1:
         if mechanism := next((p for p in paths if p.suffix.lower() in _MECHANISMS), None):
             raise InputError(
