@@ -59,10 +59,15 @@ class HeldOutFall:
 
 def removes(share: float, data: str) -> str:
     """Return a `removed_share` as a clause that names the data; a negative share reads as an increase."""
-    verb, of = ("removes", "of") if share >= 0.0 else ("adds", "to")
-    return f"{verb} {shown(abs(share))} {of} the squared error above the noise on {data}"
+    if share < 0.0:
+        return f"adds {-100.0 * share:.1f} % to the squared error above the noise on {data}"
+    return f"removes {shown(share)} of the squared error above the noise on {data}"
 
 
 def shown(share: float) -> str:
-    """Return a share in percent; a share slightly above one, by noise, is shown as 100 %."""
-    return f"{100.0 * min(max(share, 0.0), 1.0):.1f} %"
+    """Return a share as one says it: all where noise alone is left, otherwise percent that never round to
+    100.
+    """
+    if share >= 1.0:
+        return "all"
+    return "more than 99.9 %" if share >= 0.9995 else f"{100.0 * max(share, 0.0):.1f} %"
