@@ -66,7 +66,7 @@ def accepted(by_holdout: bool, folds: tuple[int, int] = (1, 1)) -> Any:
         (0.13, 0.044, "removes all of"),
         (0.13, 0.2, "adds 154.4 % to"),
         (0.13, 0.15, "adds 37.4 % to"),
-        (0.0454, 0.044, "not informative enough: their error was 1.03 times the noise"),
+        (0.0454, 0.044, "cannot test it: their error is only 1.03 times the noise"),
     ],
 )
 def test_held_out_recordings_have_the_share_beside_it(before: float, after: float, said: str) -> None:
@@ -85,6 +85,15 @@ def test_held_out_recordings_have_the_share_beside_it(before: float, after: floa
 )
 def test_it_is_said_where_the_error_falls(folds: tuple[int, int], by_holdout: bool, said: str) -> None:
     assert said in finding_lines(accepted(by_holdout, folds), AppliedEffect(FRICTION, {}))
+
+
+def test_what_helps_with_others_only_is_said_to_do_so() -> None:
+    fall, applied = HeldOutFall(0.275, 0.51, 0.0445), AppliedEffect(FRICTION, {})
+    alone = finding_lines(accepted(True), applied, (FRICTION,), fall)
+    assert "adds 250.5 % to" in alone[0] and "lowers the error on the held-out recording" in alone
+    both = finding_lines(accepted(True), applied, (FRICTION, EffectKey("lag", "knee")), fall)
+    assert both[0] == "lowers the error only together with the other effects that were found"
+    assert not [line for line in both if "adds" in line or "held-out recording" in line.split("(")[0]]
 
 
 @pytest.mark.parametrize("by_holdout", [True, False])

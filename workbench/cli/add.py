@@ -74,7 +74,7 @@ def add(
         check_into(loaded, into, output, force=force)
     if effect == _AS_IN_MJCF:
         if into is not None:
-            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="leave --into out")
+            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="omit --into")
         added, new = [], soft(loaded, values, diagnosis)
         what = "dry friction as soft as its MJCF states it"
     else:

@@ -73,7 +73,7 @@ def demo(
     own = is_model(output)
     if not own and (experiments or hide or set_):
         raise InputError(
-            f"'{output}' is no model, and experiments and effects are named for one",
+            f"'{output}' is not a model; experiments and effects need one",
             remedy="give a model, by its file or name: workbench demo MODEL DESIGN... -o FOLDER",
         )
     folder = Path(options.placed_folder(folder_of_model if own else output))

@@ -24,7 +24,7 @@ def import_(
         Argument(
             metavar="FILE...",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
-            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops. "
+            "set, CAN log); or a mechanism: SDF or URDF (loops cut open), or MJCF with loops. "
             "Several similar logs are imported together, and each question is asked once.",
         ),
     ],

@@ -111,11 +111,11 @@ def import_several(
     from workbench.core.files import together
 
     if json:
-        raise InputError("--json is of one log", remedy="import one at a time, or leave --json out")
+        raise InputError("--json is of one log", remedy="import one at a time, or omit --json")
     if folder and Path(folder).suffix:
         raise InputError(
             "several logs do not go into one file", file=folder,
-            remedy="name a folder with -o, or leave -o out",
+            remedy="name a folder with -o, or omit -o",
         )  # fmt: skip
     targets = [Path(folder) / default_output(p).name if folder else default_output(p) for p in paths]
     for target in targets:

@@ -43,7 +43,7 @@ def train(
         str | None,
         Option(
             metavar="NAME",
-            help="kin_only, s3n_act, s3n_full or exact; default: the model's. explicit: injected torques.",
+            help="kin_only, s3n_act, s3n_full, exact, or explicit (added torques); default: the model's.",
             autocompletion=complete.variants,
         ),
     ] = None,

@@ -44,17 +44,20 @@ class HeldOutFall:
     floor: float
 
     @property
+    def share(self) -> float | None:
+        """Return the `removed_share`; None where the recordings show too little without the effect."""
+        before, after, floor = self.before**2, self.after**2, self.floor**2
+        return None if before < POLICY.holdout_informative * floor else removed_share(before, after, floor)
+
+    @property
     def line(self) -> str:
         """Return a line that says what share of the held-out errors the effect removes; the errors stand
         beside it.
         """
-        squares = self.before**2, self.after**2, self.floor**2
-        if squares[0] < POLICY.holdout_informative * squares[2]:
+        if self.share is None:
             times = self.before / self.floor
-            return (
-                f"held-out recordings are not informative enough: their error was {times:.2f} times the noise"
-            )
-        return removes(removed_share(*squares), "held-out recordings")
+            return f"held-out recordings cannot test it: their error is only {times:.2f} times the noise"
+        return removes(self.share, "held-out recordings")
 
 
 def removes(share: float, data: str) -> str:

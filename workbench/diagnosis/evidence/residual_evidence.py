@@ -138,9 +138,13 @@ def finding_lines(
     if held_out is None or not step.by_holdout:
         lines.append(removes(step.removed_share, judges))
     lines.append(_lowers(*step.folds, "held-out recording" if step.by_holdout else "such part"))
+    removed = step.removed_share if held_out is None else held_out.share
     known = {applied.key, *step.indistinguishable, *found}
     others = [(k, s) for k, s in step.ranking if k not in known]
-    if others:
+    if removed is not None and removed < 0.0 and set(found) - {applied.key}:
+        # an effect that others cancel: what it does without them is no reason for it or against it
+        lines = ["lowers the error only together with the other effects that were found"]
+    elif others:
         key, share = others[0]
         other = effect_phrase(key)
         beside = f"simpler than {other}, which" if share > step.removed_share else f"the next best, {other},"
