@@ -94,7 +94,7 @@ def links_sheet(found: LinksIdentification) -> Sheet:
         sentence=first,
         lines=tuple(rest),
         key_numbers=(
-            ("Explained by the links", percent(found.share), "of the torque that the drives leave"),
+            ("Explained by the links", percent(found.share), "of the torque that friction and damping leave"),
             ("Identifiable", f"{found.identifiable:.0f}", f"combinations of {len(found.links) * 10} numbers"),
             (
                 f"Torque left on {worst.axis}",
