@@ -54,7 +54,7 @@ def test_a_folder_that_cannot_be_written_comes_first(name: str, tmp_path: Path) 
     ],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )
-def test_a_name_that_cannot_be_comes_first(words: list[str], said: str, tmp_path: Path) -> None:
+def test_a_name_that_cannot_be_comes_first(words: list[object], said: str, tmp_path: Path) -> None:
     ended = run(*words, cwd=tmp_path)
     assert not fine(ended, words) and said in ended.stderr, ended.stderr
     assert ended.stdout == "" and not list(tmp_path.iterdir())
