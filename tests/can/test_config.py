@@ -126,7 +126,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
         (table([ODRIVE, {**ODRIVE, "axis": "toe"}]), "'toe' uses 0x20 too"),
         (table([ODRIVE | {"endpoints": {"watchdog_timeout": 1}}]), "enable_watchdog': is missing"),
         (table([ODRIVE | {"endpoints": {**ENDS, "watchdg": 1}}]), "did you mean 'enable_watchdog'?"),
-        (table([ODRIVE], loop={"pd": "drive", "kd": 0.0, "kp": 5.0}), "no stiffness without damping"),
+        (table([ODRIVE], loop={"pd": "drive", "kd": 0.0, "kp": 5.0}), "needs damping to have stiffness"),
         (table([ODRIVE], stop={"bus": "can0", "id": 0x3F}), "id 0x3f is used by another"),
         (table([ODRIVE], imu={"bus": "can0", "id": 0x30}), "id 0x30 is used by 'hip' too"),
         (
@@ -154,7 +154,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
         (table([HIP], mechanism=[{"model": "leg", "axes": ["hip", "toe"]}]), "axis 'toe' has no motor"),
         (table([HIP], loop={"kp": [1.0, 2.0, 3.0]}), "has 3 values for 1 axes"),
         (table([HIP], loop={"damping": float("nan")}), "found nan"),
-        (table([HIP], loop={"kp": True}), "true and false are no values here"),
+        (table([HIP], loop={"kp": True}), "true and false are not allowed here"),
         (table([{**HIP, "id": "two"}]), "motor 'hip'.id"),
         (table([HIP], bench={"time_scale": 0.5}), "greater than or equal to 1"),
         (table([HIP], imu={"bus": "can7", "id": 0x60}), "no bus is called 'can7'"),

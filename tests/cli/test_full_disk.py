@@ -80,8 +80,11 @@ def test_approve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recording: Pat
 
 @pytest.mark.usefixtures("improved")
 def test_what_improve_found_is_told_though_it_is_not_written(tmp_path: Path, recording: Path) -> None:
-    with Disk(1, tmp_path) as disk:
-        ended = run("improve", "leg", recording, "-o", "better.toml", "--json", "i.json", cwd=tmp_path)
+    outputs = "-o", "better.toml", "--json", "i.json"
+    with Disk(1_000_000, tmp_path) as before:  # the outputs are tried; then there is nothing to read
+        assert run("improve", "leg", "gone.toml", *outputs, cwd=tmp_path).returncode == 2
+    with Disk(before.count + 1, tmp_path) as disk:
+        ended = run("improve", "leg", recording, *outputs, cwd=tmp_path)
     assert disk.failed and ended.returncode == 2 and "error: better.toml: " in ended.stderr
     assert set(files(tmp_path)) == {"i.json"}
     assert "Coulomb friction" in ended.stdout and "Wrote" not in ended.stdout

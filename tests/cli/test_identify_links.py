@@ -33,7 +33,7 @@ def test_a_copy_of_the_file_gets_the_links(folder):
     ended = run("identify", "links", "own.xml", "slow.toml", "fast.toml", *words, cwd=folder)
     assert ended.returncode == 0, ended.stderr
     said = " ".join(ended.stdout.split())
-    assert "Other numbers of the links explain" in said
+    assert "New numbers of the links explain" in said
     assert "workbench diagnose fixed.xml slow.toml fast.toml" in said
     found = json.loads((folder / "links.json").read_text())
     assert found["share"] > 0.95 and found["file"] == "fixed.xml" and not found["held_out"]

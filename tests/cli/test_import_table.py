@@ -133,7 +133,7 @@ def test_a_refusal_shows_what_was_worked_out(tmp_path: Path) -> None:
     [
         (["--column", "position=nowhere,pos_knee"], "nowhere"),
         (["--column", "position"], "NAME=VALUE"),
-        (["--unit", "torque=furlong"], "no unit of torque; e.g. --unit torque=N*m"),
+        (["--unit", "torque=furlong"], "not a unit of torque; e.g. --unit torque=N*m"),
         (["--unit", "torque"], "e.g. --unit position=deg,deg,mm,deg"),
         (
             ["--unit", "position=deg,deg,mm"],
@@ -145,12 +145,14 @@ def test_a_refusal_shows_what_was_worked_out(tmp_path: Path) -> None:
         ),
         (["--rate", "-3"], "positive"),
         (["--coordinates", "moon"], "actuator"),
-        (["-o", "run.csv"], "exists"),
+        (["-o", "run.csv"], "does not end in .toml"),
+        (["-o", "taken.toml"], "exists"),
         (["--kp", "1", "--kp", "2", "--kp", "3"], "values of --kp"),
     ],
 )
 def test_wrong_answers_end_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
     (tmp_path / "run.csv").write_text(text(columns(LOG)))
+    (tmp_path / "taken.toml").write_text("")
     done = run("import", "run.csv", *words, cwd=tmp_path)
     assert done.returncode == 2 and said in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run.toml").exists()

@@ -138,7 +138,7 @@ READ: dict[str, Callable[[Path], object]] = {
     "import": lambda p: load_recordings([p]),
     "fleet": lambda p: [strictly(each.read_text()) for each in p.glob("*.json")],
 }
-SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json", "show": ".html"}
+SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json", "show": ".html", "export": ".zip"}
 SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
 ENDINGS = {
     "--json": ".json",
@@ -146,6 +146,7 @@ ENDINGS = {
     "--mcap": ".mcap",
     "--rerun": ".rrd",
     "--trace": ".html",
+    "--mp4": ".mp4",
 }  # of an option that writes a FILE; of others: a picture
 READS = {"--record", "--task"}  # options of a FILE that is there already
 

@@ -33,7 +33,7 @@ def test_a_loop_faster_than_a_drive_tells_its_state_is_armed(tmp_path: Path, per
     assert host.state.phase == "run", (host.state.fault, host.feedback.fault)
 
 
-def test_a_drive_that_stays_off_is_waited_for_and_then_told(tmp_path: Path) -> None:
+def test_a_drive_that_stays_off_is_waited_for(tmp_path: Path) -> None:
     host = leg(tmp_path, 0.003)
     send = host._network.send
     on = {frame.data for drive in host.feedback.drives[:1] for frame in drive.act("enable")[1:]}

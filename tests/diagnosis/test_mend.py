@@ -12,7 +12,7 @@ from tests.bench_arm import bench_arm
 from tests.report import build
 from workbench.core import Controller, Diagnosis, EffectKey, Estimate, Finding, Recording
 from workbench.core.toml_line import toml_line
-from workbench.diagnosis.mend import mend_lines, mend_recordings, with_mended_gains
+from workbench.diagnosis.mend import mend_lines, mend_recordings, states_gain, with_mended_gains
 from workbench.effects import load_model
 
 
@@ -63,6 +63,8 @@ def test_gains_belong_into_the_recordings_that_state_them(tmp_path: Path, diagno
     in_memory = replace(data[0], source=None)
     for none in ([silent], [in_memory], []):
         assert mend_recordings(model, none, [gains]) == (), "no recording's file states the gains"
+        assert not states_gain(none, gains.key)
+    assert states_gain(data, gains.key) and not states_gain(data, damping.key)
     assert mend_recordings(model, data, [replace(gains, probability=0.3)]) == (), "another cause is likelier"
     told = replace(diagnosis, findings=(gains, damping), mend_recordings=(gains.key,))
     [mended, kept] = with_mended_gains([*data, silent], told)

@@ -149,6 +149,6 @@ def test_a_robot_on_the_ground_is_refused(model, logs):
 
 def test_page_and_picture_say_it(found):
     page = render_sheet(links_sheet(found), command="workbench identify links")
-    assert "Other numbers of the links explain" in page
+    assert "New numbers of the links explain" in page
     assert "upper" in page and "first moment x" in page
     assert [t.get_text() for t in links_figure(found).axes[0].get_yticklabels()] == list(DRY)

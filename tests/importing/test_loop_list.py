@@ -84,11 +84,11 @@ def test_a_list_and_loop_options_are_one_mechanism(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("closed_loop: [['loop_A', 'nowhere']]\n", "'nowhere' is no frame"),
+        ("closed_loop: [['loop_A', 'nowhere']]\n", "'nowhere' is not a frame"),
         ("closed_loop: [['loop_A', 'loop_B']]\ntype: ['4d']\n", "type.0"),
         ("closed_loop: [['loop_A', 'loop_B']]\ntype: ['3d', '3d']\n", "2 entries for 1"),
         (_LIST + "joint_name: ['ball']\njoint_type: ['SLIDER']\n", "'SLIDER'"),
-        (_LIST.replace("'motor'", "'gone'"), "'gone' is no joint"),
+        (_LIST.replace("'motor'", "'gone'"), "'gone' is not a joint"),
         ("closed_loop: [['loop_A'\n", "no YAML"),
     ],
 )

@@ -39,5 +39,5 @@ def test_a_note_names_the_joints_that_no_axis_moves(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM.format(actuators="", own=""))
     (tmp_path / "one.toml").write_text('format = 1\nname = "one"\nserial = "arm.xml"\naxes = ["a"]\n')
     note = free_joints(load_model(str(tmp_path / "one.toml")))
-    assert note is not None and note.startswith("b of arm.xml is no axis of the model")
+    assert note is not None and note.startswith("b of arm.xml is not an axis of the model")
     assert free_joints(load_model(str(tmp_path / "arm.xml"))) is None

@@ -90,7 +90,7 @@ def test_so_may_a_position_and_then_its_velocity_follows(tmp_path: Path) -> None
 @pytest.mark.parametrize("unit", ["0*N*m", "-*N*m", "nan*N*m", "-inf*N*m"])
 def test_what_is_no_factor(tmp_path: Path, unit: str) -> None:
     table = open_table(put(tmp_path, text(numbered("q", "dq", LOG.tau))))
-    with pytest.raises(InputError, match="is no unit of torque"):
+    with pytest.raises(InputError, match="is not a unit of torque"):
         propose(table, Answers(units={"torque": unit}))
 
 

@@ -7,10 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from tests.ui.chrome import Chrome
 from workbench.core import Comparison, Share
-from workbench.report import write_page
+from workbench.report import Sheet, write_page, write_sheet
+from workbench.report.sheet import Section, SheetTable
 
 from . import build
 from .browser import CHROMIUM
@@ -103,3 +105,22 @@ def test_names_that_do_not_break_are_broken_where_they_must(
     chrome.open(page.as_uri())
     chrome.wait("document.documentElement.dataset.drawn === 'yes'")
     assert chrome.ask(_CUT) == 0 and chrome.ask("document.documentElement.scrollWidth") <= width
+
+
+def test_short_cells_stay_whole_and_pictures_have_a_shadow(tmp_path: Path, chrome: Chrome) -> None:
+    """A unit that breaks makes every row of a long table twice as tall; a picture may go on out of sight."""
+    head = ("number", ">before", ">after", ">± (95 %)", ">identifiable", "unit")
+    rows = (("inertia about the middle", "0.01850", "0.01850", "0.0257", "> 99 %", "kg m²"),)
+    table = SheetTable("Numbers", head, rows)
+    section = Section("numbers", "Numbers", tables=(table,), picture=(Figure(figsize=(8, 1)), "a picture"))
+    sheet = Sheet(kind="links", model="arm", sentence="It is so.", tone="consistent", sections=(section,))
+    page = write_sheet(sheet, tmp_path / "page.html", command="c", seeds={})
+    chrome.look(390, 844)
+    chrome.open(page.as_uri())
+    tall, name = (
+        chrome.ask(f"document.querySelector('.sheet tbody {k}').offsetHeight") for k in ("tr", "th")
+    )
+    line = chrome.ask("parseFloat(getComputedStyle(document.querySelector('.sheet td')).lineHeight)")
+    assert max(tall, name) < 1.9 * line, "one line, and the space around it"
+    shadow = chrome.ask("getComputedStyle(document.querySelector('.picture')).backgroundImage")
+    assert shadow.count("gradient") == 4

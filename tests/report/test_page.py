@@ -256,7 +256,10 @@ def test_the_policy_stops_requests_and_says_so(tmp_path, compared):
 
 def test_what_is_only_nearest_is_shown_as_no_cause(improvement, improved):
     near = replace(improvement, verdict="unexplained", nearest=True)
-    assert "What was added: nearest, but not a cause" in Page(render_page(near, command=COMMAND)).text
+    assert (
+        "What was added: the nearest effects, which are not the cause"
+        in Page(render_page(near, command=COMMAND)).text
+    )
     assert "not a cause" not in Page(improved).text
 
 

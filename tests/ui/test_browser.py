@@ -237,3 +237,11 @@ def test_names_that_strangers_point_here_are_not_answered(
     answer = connection.getresponse()
     assert answer.status in (400, 403) and b"token" not in answer.read()
     connection.close()
+
+
+def test_the_map_is_as_tall_as_its_rows(server: tuple[str, Path], chrome: Chrome) -> None:
+    """It is drawn before its rows are known: two axes with a row of positions and one of torques each."""
+    chrome.look(1280, 900)
+    chrome.open(server[0])
+    chrome.wait("document.documentElement.dataset.ready === 'yes'")
+    chrome.wait(f"every('.bk-Figure').some((e) => e.offsetHeight === {64 + 4 * 26})", 30)

@@ -49,13 +49,15 @@ def check_network(raw: bytes, file: Path | None) -> None:
         onnx.checker.check_model(model)
         inferred = onnx.shape_inference.infer_shapes(model, check_type=True, strict_mode=True)
     except Exception as error:  # the checker's and the inference's errors have no common root
-        raise refuse(f"is no network: {str(error).splitlines()[0] if str(error) else 'damaged'}") from error
+        raise refuse(
+            f"is not a readable network: {str(error).splitlines()[0] if str(error) else 'damaged'}"
+        ) from error
     for value in (*inferred.graph.value_info, *inferred.graph.input, *inferred.graph.output):
         if not _bounded(value):
             raise refuse(f"makes '{value.name}' larger than a policy needs")
     for weights in model.graph.initializer:
         if math.prod(weights.dims) > MOST_NUMBERS:
-            raise refuse(f"claims too many weights in '{weights.name}'")
+            raise refuse(f"states more weights than a policy needs in '{weights.name}'")
 
 
 def _bounded(value: Any) -> bool:

@@ -47,7 +47,7 @@ class Policy:
         sizes = tuple(shape[-1] if len(shape) == 2 else None for shape in shapes)
         if sizes != (self.size, len(bundle.control.joints)) or inputs[0].type != "tensor(float)":
             raise InputError(
-                f"the network takes {inputs[0].type} of {sizes[0]} numbers and gives {sizes[1]}",
+                f"the network takes {sizes[0]} numbers of type {inputs[0].type} and returns {sizes[1]}",
                 file=bundle.source, remedy="export the policy again",
             )  # fmt: skip
         self._name = self._session.get_inputs()[0].name

@@ -55,7 +55,7 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
         if found is None:
             if not text.strip():
                 continue
-            raise InputError(f"is no line of a candump log: '{text[:40]}'", file=path, row=number,
+            raise InputError(f"is not a line of a candump log: '{text[:40]}'", file=path, row=number,
                              remedy="record with 'candump -L'")  # fmt: skip
         stamp, bus, id, data, flexible, remote = found.groups()
         content, extended = bytes.fromhex(flexible or data or ""), len(id) == 8

@@ -191,5 +191,5 @@ def _answers(what: int, register: int, value: float) -> bool:
     if what != REPLY:
         raise FrameError(f"an answer with subframe {what:#x}")
     if register in (_MODE, _FAULT) and not isfinite(value):
-        raise FrameError(f"register {register:#x} is no number")
+        raise FrameError(f"register {register:#x} is not a number")
     return True

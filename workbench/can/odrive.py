@@ -99,7 +99,7 @@ class Odrive:
         s, r = setpoint, self.ranges
         r.check(s)
         if s.kp > 0.0 and s.kd <= 0.0:
-            raise FrameError("an odrive has no stiffness without damping")
+            raise FrameError("an odrive needs damping (kd above 0) to have stiffness (kp)")
         stiff = s.kp / s.kd if s.kp else 0.0
         return (
             self._frame("set_position_gain", gain=stiff),

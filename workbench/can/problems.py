@@ -119,7 +119,7 @@ def range_problems(
     own = (("kp", kp, motor.ranges.kp), ("kd", kd, motor.ranges.kd)) if c.loop.pd == "drive" else ()
     for name, wanted, room in (*own, ("damping", c.loop.damping, motor.ranges.kd)):
         if wanted > room:
-            yield f"loop.{name}", f"{wanted:g} is beyond the {room:g} of '{motor.axis}'", "lower it"
+            yield f"loop.{name}", f"{wanted:g} is more than '{motor.axis}' can take, {room:g}", "lower it"
 
 
 def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -229,7 +229,7 @@ def _flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for motor in c.motor:
         key, kd = f"motor '{motor.axis}'", motor.ranges.kd
         if motor.protocol == "odrive" and c.loop.pd == "drive" and kds.get(motor.axis, 1.0) <= 0.0:
-            yield "loop.kd", f"'{motor.axis}' has no stiffness without damping", "give more than 0"
+            yield "loop.kd", f"'{motor.axis}' needs damping to have stiffness", "give more than 0"
         if motor.protocol != "moteus":
             continue
         if c.loop.pd == "drive":

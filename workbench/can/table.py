@@ -20,5 +20,5 @@ class Table(BaseModel):
     def _no_truth(cls, value: Any) -> Any:
         """Nothing here is true or false, and a number that is would become 1 or 0."""
         if any(isinstance(each, bool) for each in (value if isinstance(value, list) else [value])):
-            raise ValueError("true and false are no values here")
+            raise ValueError("true and false are not allowed here")
         return value

@@ -14,7 +14,7 @@ from workbench.core import FORMAT, InputError, apart
 from workbench.core.files import check_format
 
 from . import complete, options
-from .common import check_model_output, check_outputs, echo, files_of, write_result
+from .common import check_model_output, check_outputs, files_of, write_result, wrote
 from .into import Into, IntoOption, check_into
 from .values import parse_lists, parse_place, with_values
 
@@ -74,7 +74,7 @@ def add(
         check_into(loaded, into, output, force=force)
     if effect == _AS_IN_MJCF:
         if into is not None:
-            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="leave --into out")
+            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="omit --into")
         added, new = [], soft(loaded, values, diagnosis)
         what = "dry friction as soft as its MJCF states it"
     else:
@@ -102,9 +102,9 @@ def add(
     if quiet or json == "-":
         return
     if written is not None:
-        echo("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
+        wrote("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
         return
-    echo(f"Wrote {output}: {loaded.name} with {what}.")
+    wrote(f"Wrote {output}: {loaded.name} with {what}.")
 
 
 def with_effects(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from . import options
-from .common import check_outputs, echo, files_of, read_recordings, write_result
+from .common import check_outputs, echo, files_of, read_recordings, write_result, wrote
 from .progress import progress
 
 
@@ -54,6 +54,6 @@ def approve(
         echo(f"{summary(record)}.")
         for line in against:
             echo(f"Not approved: {line}.")
-        echo(f"Wrote {path}.")
+        wrote(f"Wrote {path}.")
     if against:
         raise typer.Exit(1)

@@ -16,7 +16,7 @@ from typer import Argument, Option
 from workbench.core.text import counted
 
 from . import options
-from .common import check_outputs, echo, whole, write_result
+from .common import check_outputs, echo, whole, write_result, wrote
 from .hidden import HideOption, SetOption
 from .listing import Listing
 
@@ -110,7 +110,7 @@ def dbc(
             if without
             else ""
         )
-        echo(f"Wrote {output}: the frames of {counted(len(drives) - len(without), 'drive')}.{none}")
+        wrote(f"Wrote {output}: the frames of {counted(len(drives) - len(without), 'drive')}.{none}")
 
 
 @can.command()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from workbench.core import InputError, Recording
-from workbench.core.files import check_apart, check_free, together
+from workbench.core.files import check_apart, check_free, check_place, together, when_written
 from workbench.core.text import plain
 
 if TYPE_CHECKING:
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 def echo(text: str, *, err: bool = False) -> None:
     """Print lines; text from files is printed as it is, without markup."""
     typer.echo("\n".join(map(plain, text.split("\n"))), err=err)
+
+
+def wrote(text: str) -> None:
+    """Print lines that say what was written, and what follows from it, once the files are in their places."""
+    when_written(lambda: echo(text))
 
 
 def read_recordings(paths: Sequence[str]) -> list[Recording]:
@@ -107,10 +112,11 @@ def whole(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def check_outputs(*paths: str | None, force: bool) -> None:
-    """Refuse outputs that exist, before anything is computed."""
+    """Refuse outputs that exist or cannot be written, before anything is computed."""
     for path in paths:
         if path and path != "-":
             check_free(path, force=force)
+            check_place(path)
 
 
 def keep_inputs(outputs: Sequence[str | None], files: Sequence[Path]) -> None:

@@ -64,7 +64,7 @@ def compare(
     if gait is not None:
         if html is not None or mcap is not None or rerun is not None or fail_above is not None:
             raise InputError(
-                "--gait makes a table and JSON", remedy="leave --html, --mcap, --rerun and --fail-above out"
+                "--gait makes a table and JSON", remedy="omit --html, --mcap, --rerun and --fail-above"
             )
         compare_gait(model, recordings, gait, again, command, start, json, force, quiet)
         return

@@ -24,7 +24,6 @@ def demo(
         str,
         Argument(
             metavar="FOLDER|MODEL",
-            callback=options.placed,
             help="Folder for all results; or a model of your own, with -o for the folder.",
             autocompletion=complete.models,
         ),
@@ -36,7 +35,11 @@ def demo(
     folder_of_model: Annotated[
         str,
         options.written(
-            "--output", "-o", metavar="FOLDER", help="For a model of your own: the folder for all results."
+            "--output",
+            "-o",
+            folder=True,
+            metavar="FOLDER",
+            help="For a model of your own: the folder for all results.",
         ),
     ] = "demo",
     hide: HideOption = None,
@@ -70,10 +73,10 @@ def demo(
     own = is_model(output)
     if not own and (experiments or hide or set_):
         raise InputError(
-            f"'{output}' is no model, and experiments and effects are named for one",
+            f"'{output}' is not a model; experiments and effects need one",
             remedy="give a model, by its file or name: workbench demo MODEL DESIGN... -o FOLDER",
         )
-    folder = Path(folder_of_model if own else output)
+    folder = Path(options.placed_folder(folder_of_model if own else output))
     if folder.exists() and not force and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError("the folder is not empty", file=folder, remedy="choose another one or add --force")
     check_outputs(json, force=force)

@@ -57,6 +57,7 @@ def deploy(
         options.written(
             "--output",
             "-o",
+            folder=True,
             metavar="FOLDER",
             help="Folder for the run's frames and its recording; default for hardware: deployed/DATE.",
         ),
@@ -144,14 +145,15 @@ def _new_log(folder: Path, force: bool) -> Path:
     """Where the frames of a run go. Nothing is made or removed yet: the run may be refused.
 
     Raises:
-        InputError: something is there already.
+        InputError: something is there already, or nothing can be written there.
     """
-    from workbench.core.files import check_free
+    from workbench.core.files import check_free, check_place
     from workbench.deployment.kept import PLAYED
 
     log = folder / "run.log"
     for file in (log, *(log.with_suffix(end) for end in (".toml", ".blf", ".clock", PLAYED))):
         check_free(file, force=force)
+    check_place(log)
     return log
 
 

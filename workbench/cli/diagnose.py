@@ -27,8 +27,10 @@ def diagnose(
     shape: Annotated[
         str | None,
         options.written(
+            format_="figure",
             metavar="FILE",
-            help="Picture (.png, .svg) of the torque that no effect explains: a description, not a cause.",
+            help="Picture (.png, .svg, .pdf) of the torque that no effect explains; it describes, it "
+            "names no cause.",
         ),
     ] = None,
     trace: Annotated[

@@ -11,7 +11,7 @@ from typer import Argument, Option
 from workbench.core import InputError
 
 from . import options
-from .common import check_outputs, echo, write_result
+from .common import check_outputs, echo, write_result, wrote
 from .progress import progress
 from .scores import score_words, trained_in
 
@@ -20,7 +20,9 @@ def evaluate(
     bundle: Annotated[str, Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[
         str,
-        options.written("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]"),
+        options.written(
+            "--output", "-o", folder=True, metavar="FOLDER", help="Folder for the recordings.  [required]"
+        ),
     ] = "",
     seconds: Annotated[float, Option(min=1.5, max=600.0, help="How long it runs.")] = 4.0,
     seed: Annotated[int, Option(min=0, help="Seed of the command and of the sensors' noise.")] = 0,
@@ -72,14 +74,14 @@ def evaluate(
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
             what, unit = score_words(score)
             echo(f"  {f'{what} [{unit}]' if unit else what:32s} {'  '.join(values)}")
-        echo(f"Wrote 2 recordings to {folder}.")
+        wrote(f"Wrote 2 recordings to {folder}.")
         if robot:
-            echo(
+            wrote(
                 "Compare them with the simulation that it was trained in: workbench compare "
                 f"{folder}/robot.toml"
             )
     fell = content["hardware"]["fell_s"]
     if fell is not None:
         if not quiet and json != "-":
-            echo(f"It fell on the hardware after {fell:.2f} s.")
+            wrote(f"It fell on the hardware after {fell:.2f} s.")
         raise typer.Exit(1)

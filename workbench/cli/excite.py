@@ -13,7 +13,7 @@ from workbench.core import InputError
 from workbench.core.text import counted
 
 from . import options
-from .common import check_outputs, echo, files_of, write_result
+from .common import check_outputs, files_of, write_result, wrote
 from .progress import progress
 from .values import parse_values
 
@@ -32,6 +32,7 @@ def excite(
         options.written(
             "--output",
             "-o",
+            ending=".toml",
             metavar="DESIGN",
             help="The TOML file of the design; its tables go into the same folder.  [required]",
         ),
@@ -168,19 +169,19 @@ def excite(
         return
     d = scaled.design
     seconds = d.rows / d.rate_hz
-    echo(
+    wrote(
         f"Wrote {output}: {counted(len(d.trials), 'experiment')} of {seconds:.4g} s, {len(d.lines)} lines "
         f"from {d.frequency[0]:.4g} to {d.frequency[-1]:.4g} Hz, "
         f"crest factor up to {d.crest_factors.max():.3g}."
     )
     if length != period:
-        echo(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")
+        wrote(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")
     if scaled.binding is None:
-        echo("The model states no limits: nothing was scaled.")
+        wrote("The model states no limits: nothing was scaled.")
     else:
         kept = f"Scaled to {scaled.factor:.3g} of" if scaled.factor < 1 else "Left at"
         share = 100 * scaled.usage[scaled.binding]
-        echo(
+        wrote(
             f"{kept} the requested amplitude: the tightest limit is {scaled.binding}, of which "
             f"{share:.3g} % is used."
         )

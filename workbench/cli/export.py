@@ -10,13 +10,16 @@ from typer import Argument
 from workbench.core import InputError
 
 from . import options
-from .common import check_outputs, echo, write_result
+from .common import check_outputs, write_result, wrote
 
 
 def export(
     run: Annotated[str, Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
     output: Annotated[
-        str, options.written("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
+        str,
+        options.written(
+            "--output", "-o", ending=".zip", metavar="BUNDLE", help="The new .zip file.  [required]"
+        ),
     ] = "",
     json: options.Json = None,
     force: options.Force = False,
@@ -42,7 +45,7 @@ def export(
         files = [Path(run) / name for name in (CONFIG, CHECKPOINT)]
         write_result({"format": 1, "run": run, **bundle_dict(path)}, json, files=files, force=force)
     if not quiet and json != "-":
-        echo(f"Wrote {path}.")
+        wrote(f"Wrote {path}.")
 
 
 def bundle_dict(path: Path) -> dict[str, Any]:

@@ -30,7 +30,11 @@ def fleet(
     output: Annotated[
         str,
         options.written(
-            "--output", "-o", metavar="FOLDER", help="Folder for results and improved models, one per robot."
+            "--output",
+            "-o",
+            folder=True,
+            metavar="FOLDER",
+            help="Folder for results and improved models, one per robot.",
         ),
     ],
     holdout: Annotated[

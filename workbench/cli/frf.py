@@ -17,7 +17,8 @@ def frf(
     json: options.Json = None,
     html: options.Html = None,
     figure: Annotated[
-        str | None, options.written(metavar="FILE", help="Picture of the response (.png, .svg, .pdf).")
+        str | None,
+        options.written(format_="figure", metavar="FILE", help="Picture of the response (.png, .svg, .pdf)."),
     ] = None,
     force: options.Force = False,
     quiet: options.Quiet = False,

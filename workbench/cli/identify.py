@@ -15,13 +15,13 @@ from . import complete, options
 from .common import (
     check_model_output,
     check_outputs,
-    echo,
     files_of,
     keep_inputs,
     open_pair,
     read_recordings,
     whole,
     write_result,
+    wrote,
 )
 from .deliver import deliver_sheet
 from .into import check_into
@@ -48,7 +48,9 @@ _Base = Annotated[
 _Output = Annotated[str, options.written("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[
     str | None,
-    options.written("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."),
+    options.written(
+        "--figure", format_="figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."
+    ),
 ]
 
 
@@ -90,7 +92,7 @@ def actuator(
     if not quiet and json != "-":
         report.print_table(actuator_table(found))
         if output:
-            echo(f"Wrote {output}: {model} with these drives.")
+            wrote(f"Wrote {output}: {model} with these drives.")
 
 
 @identify.command()
@@ -152,7 +154,7 @@ def leg(
     if not quiet and json != "-":
         report.print_table(leg_table(found, built))
         if output:
-            echo(f"Wrote {output}: {model} as S3N-Full.")
+            wrote(f"Wrote {output}: {model} as S3N-Full.")
 
 
 @identify.command()
@@ -171,7 +173,11 @@ def links(
     html: options.Html = None,
     figure: Annotated[
         str | None,
-        options.written(metavar="FILE", help="Picture of the torque before and after (.png, .svg)."),
+        options.written(
+            format_="figure",
+            metavar="FILE",
+            help="Picture of the torque before and after (.png, .svg, .pdf).",
+        ),
     ] = None,
     whole: options.Whole = False,
     seed: options.Seed = 0,
@@ -213,10 +219,12 @@ def links(
     if not quiet and json != "-":
         report.print_table(links_table(found))
         if output:
-            echo(f"Wrote {output}: {loaded.serial.name} with these numbers. Next, find what else is missing:")
+            wrote(
+                f"Wrote {output}: {loaded.serial.name} with these numbers. Next, find what else is missing:"
+            )
             if loaded.source and loaded.source.suffix == ".toml":
-                echo(f"  name it as serial in a copy of {loaded.source.name}, and diagnose that model")
+                wrote(f"  name it as serial in a copy of {loaded.source.name}, and diagnose that model")
             else:
-                echo(f"  workbench diagnose {output} {' '.join(recordings)}")
+                wrote(f"  workbench diagnose {output} {' '.join(recordings)}")
     if found.share <= 0.0:
         raise typer.Exit(1)

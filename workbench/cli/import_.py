@@ -24,7 +24,7 @@ def import_(
         Argument(
             metavar="FILE...",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
-            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops. "
+            "set, CAN log); or a mechanism: SDF or URDF (loops cut open), or MJCF with loops. "
             "Several similar logs are imported together, and each question is asked once.",
         ),
     ],
@@ -145,6 +145,8 @@ def import_(
     paths = [packaged_robot(file) or Path(file) for given in files for file in found(given)]
     path = paths[0]
     check_outputs(json, force=force)
+    if output and len(paths) == 1:
+        options.check_ending(output, ".toml")
     if len(paths) > 1:
         if mechanism := next((p for p in paths if p.suffix.lower() in _MECHANISMS), None):
             raise InputError(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from workbench.core import InputError
 
-from .common import echo, named_values, write_result
+from .common import echo, named_values, write_result, wrote
 from .mechanism_options import MechanismOptions, frames_of, loop_of, number_of, one_each, range_of
 
 if TYPE_CHECKING:
@@ -139,30 +139,32 @@ def import_mechanism(
     if made.posture_dependent and constant_transmission(ClosedChain(made.closed_chain)).constant:
         kind = "is constant, but the links in the loops turn differently in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
-    echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
+    wrote(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in (*contents.bonds, *begun):
-        echo(f"{line[0].upper()}{line[1:]}.")
+        wrote(f"{line[0].upper()}{line[1:]}.")
     for line in narrowed:
-        echo(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
+        wrote(f"Limits: {line}. --limits JOINT=LOW:HIGH chooses others.")
     taken = {} if asked.torque_limit else {k: v for k, v in limits.items() if v < float("inf")}
     if taken:
         said = ", ".join(f"{name} {value:.4g}" for name, value in taken.items())
-        echo(f"Torque limits of the drives, from the file: {said}. --torque-limit states others.")
+        wrote(f"Torque limits of the drives, from the file: {said}. --torque-limit states others.")
     if held:
-        echo(f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}.")
+        wrote(
+            f"Held joints: {', '.join(f'{c.joint} = {round(c.polynomial[0], 9) + 0.0:.3g}' for c in held)}."
+        )
     fixed = {c.joint for c in made.closed_chain.couplings if not c.follows}
     for what, unit in (("damping", "N m s/rad"), ("friction", "N m"), ("armature", "kg m²")):
         if lost := _without({*names, *fixed}, getattr(contents, what)):
-            echo(f"Not imported: the {what} of joints without a drive: {lost} {unit}.")
+            wrote(f"Not imported: the {what} of joints without a drive: {lost} {unit}.")
     if springs := set(contents.springs) - fixed:
-        echo(f"Not imported: springs at {', '.join(sorted(springs))}.")
+        wrote(f"Not imported: springs at {', '.join(sorted(springs))}.")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         said = ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
-        echo(f"The mechanism is a parallelogram; its linkage adds to the serial tree: {said}.")
+        wrote(f"The mechanism is a parallelogram; its linkage adds to the serial tree: {said}.")
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
-        echo(f"{ways}.")
-    echo(f"Next: workbench check {output}")
+        wrote(f"{ways}.")
+    wrote(f"Next: workbench check {output}")
 
 
 def _without(driven: Collection[str], values: Mapping[str, float]) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from workbench.core import InputError
 
-from .common import echo, named_values, write_result
+from .common import check_outputs, named_values, write_result, wrote
 from .import_ask import answered
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def import_table(
         InputError: the file cannot be read, or a question is open and nobody is there to ask.
     """
     if told := _imported(path, output, answers, yes, model, json, force, quiet)[1]:
-        echo(told)
+        wrote(told)
 
 
 def _imported(
@@ -42,7 +42,7 @@ def _imported(
 ) -> tuple[Answers, str]:  # fmt: skip
     """Import one log; return the answers with what was asked, and what to tell once its files are there."""
     from workbench import report
-    from workbench.core.files import check_free, together
+    from workbench.core.files import together
     from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
@@ -51,7 +51,7 @@ def _imported(
     from .import_check import with_model
 
     target = Path(output) if output else default_output(path)
-    check_free(target, force=force)
+    check_outputs(str(target), force=force)
     table = open_table(path, episode=answers.episode or 0)
     silent = quiet or json == "-"
     proposal, answers = told(
@@ -108,14 +108,14 @@ def import_several(
     Raises:
         InputError: as `import_table`; two logs would have one recording; or JSON, which is of one log.
     """
-    from workbench.core.files import check_free, together
+    from workbench.core.files import together
 
     if json:
-        raise InputError("--json is of one log", remedy="import one at a time, or leave --json out")
+        raise InputError("--json is of one log", remedy="import one at a time, or omit --json")
     if folder and Path(folder).suffix:
         raise InputError(
             "several logs do not go into one file", file=folder,
-            remedy="name a folder with -o, or leave -o out",
+            remedy="name a folder with -o, or omit -o",
         )  # fmt: skip
     targets = [Path(folder) / default_output(p).name if folder else default_output(p) for p in paths]
     for target in targets:
@@ -123,14 +123,14 @@ def import_several(
             raise InputError(
                 "two logs would have this one recording", file=target, remedy="import them one by one"
             )
-        check_free(target, force=force)
+        check_outputs(str(target), force=force)
     told: list[str] = []
     with together():
         for path, target in zip(paths, targets, strict=True):
             answers, line = _imported(path, str(target), answers, yes, model, None, force, quiet)
             told.append(line)
     if not quiet:
-        echo("\n".join(told))
+        wrote("\n".join(told))
 
 
 def default_output(path: Path) -> Path:

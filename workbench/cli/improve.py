@@ -10,7 +10,7 @@ from typer import Option
 from workbench.core import Improvement, WorkbenchError
 
 from . import options
-from .common import check_model_output, echo, files_of, keep_inputs, open_pair
+from .common import check_model_output, files_of, keep_inputs, open_pair, wrote
 from .data_problems import data_problems
 from .deliver import Outputs, deliver
 from .into import Into, IntoOption, check_into
@@ -81,7 +81,7 @@ def improve(
     if refused is not None:
         raise refused
     if to.printed:
-        echo(_told(result, written, output))
+        wrote(_told(result, written, output))
 
 
 def _told(result: Improvement, written: Into | None, output: str) -> str:

@@ -45,7 +45,7 @@ def check_into(model: Model, into: str, output: str, *, force: bool) -> None:
     if target.suffix.lower() != source.suffix.lower():
         raise InputError(
             f"the output is a copy of {source.name}", file=output,
-            remedy=f"give it the ending {source.suffix}, or leave --into out",
+            remedy=f"give it the ending {source.suffix}, or omit --into",
         )  # fmt: skip
     check_outputs(output, force=force)
     if target.resolve().parent != source.resolve().parent and (named := _beside(text)):
@@ -89,7 +89,7 @@ class Into:
         if made.left and not made.written:
             raise InputError(
                 f"it has no number for {_phrases(made)}", file=into,
-                remedy="leave --into out: -o NEW.toml keeps effects that have no number there",
+                remedy="omit --into: -o NEW.toml keeps effects that have no number there",
             )  # fmt: skip
         return Into(into, output, given, made)
 

@@ -11,7 +11,7 @@ from typer import Option
 from workbench.core import InputError, WorkbenchError
 
 from . import complete, options
-from .common import check_outputs, echo, files_of, write_result
+from .common import check_outputs, echo, files_of, write_result, wrote
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def normalize(
         report.print_table(normalize_table(tree, base, unknown))
         for line in _told(for_, fitted):
             echo(line)
-        echo(f"Wrote {output}.")
+        wrote(f"Wrote {output}.")
 
 
 def _told(target: str, fitted: Fitted) -> list[str]:

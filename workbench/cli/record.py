@@ -12,7 +12,7 @@ from workbench.core import InputError
 from workbench.core.files import together
 
 from . import complete, options
-from .common import check_outputs, echo, write_result
+from .common import check_outputs, echo, write_result, wrote
 from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
@@ -42,7 +42,9 @@ def record(
     ] = None,
     output: Annotated[
         str,
-        options.written("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]"),
+        options.written(
+            "--output", "-o", folder=True, metavar="FOLDER", help="Folder for the recordings.  [required]"
+        ),
     ] = "",
     hide: HideOption = None,
     set_: SetOption = None,
@@ -121,7 +123,7 @@ def _tell(
         content = {"format": 1, "rig": rig, "recordings": [_recorded(file) for file in files]}
         write_result(content, json, files=designs, seeds={"noise": seed}, force=force)
     if not quiet and json != "-":
-        echo(f"Wrote {len(files)} recording{'s' * (len(files) != 1)} to {output}.")
+        wrote(f"Wrote {len(files)} recording{'s' * (len(files) != 1)} to {output}.")
 
 
 def _recorded(file: Path) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typer import Argument, Option
 from workbench.core import InputError
 
 from . import complete, options
-from .common import check_outputs, echo
+from .common import check_outputs, wrote
 from .progress import progress
 from .scores import told_scores, trained_in
 
@@ -42,7 +42,8 @@ def show(
         str | None, Option(metavar="FILE", help="For a bundle: the task file, if it is Python.")
     ] = None,
     mp4: Annotated[
-        str | None, options.written(metavar="FILE", help="Write a film as well; needs ffmpeg.")
+        str | None,
+        options.written(format_="film", metavar="FILE", help="Write a film as well (.mp4); needs ffmpeg."),
     ] = None,
     force: options.Force = False,
     quiet: options.Quiet = False,
@@ -71,7 +72,7 @@ def show(
             film(Path(mp4), scene.time, scene.ends, force=force)
         write_whole(output, page, force=force)
     if not quiet:
-        echo(f"Wrote {output}{f' and {mp4}' if mp4 else ''}.")
+        wrote(f"Wrote {output}{f' and {mp4}' if mp4 else ''}.")
 
 
 def _of_bundle(file: Path, seconds: float, task: Path | None) -> tuple[str, list[str], Scene, list[Panel]]:

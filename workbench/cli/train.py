@@ -10,7 +10,7 @@ from typer import Argument, Option
 from workbench.core import InputError
 
 from . import complete, options
-from .common import check_outputs, echo, files_of, write_result
+from .common import check_outputs, echo, files_of, write_result, wrote
 from .heartbeat import duration
 from .progress import progress
 
@@ -28,7 +28,8 @@ def train(
         ),
     ],
     output: Annotated[
-        str, options.written("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
+        str,
+        options.written("--output", "-o", folder=True, metavar="RUN", help="Folder of the run.  [required]"),
     ] = "",
     model: Annotated[
         str | None,
@@ -42,7 +43,7 @@ def train(
         str | None,
         Option(
             metavar="NAME",
-            help="kin_only, s3n_act, s3n_full or exact; default: the model's. explicit: injected torques.",
+            help="kin_only, s3n_act, s3n_full, exact, or explicit (added torques); default: the model's.",
             autocompletion=complete.variants,
         ),
     ] = None,
@@ -201,4 +202,4 @@ def train(
         read = [*files_of(loaded), *([file] if known is not None else [])]
         write_result(content, json, files=read, seeds={"training": seed}, force=force)
     if shown:
-        echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")
+        wrote(f"Trained {settings.iterations} iterations; wrote {bundle}.")

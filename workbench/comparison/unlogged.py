@@ -143,10 +143,10 @@ def noted(reading: LoopAssumption) -> tuple[Recording, ...]:
             held = bool(out[i].timing.reference_held)
             how = "constant from row to row" if held else "a smooth line through the rows"
             sure = reading.sure_between_rows
-            why = "which explains the recordings" if sure else "although the recordings hardly show it"
+            why = "which fits the recordings" if sure else "although the recordings hardly show it"
             notes.append(
-                f"the loop runs faster than the log; between rows its reference is taken as {how}, {why}: "
-                f"state reference_held = {str(held).lower()} in [timing] if you know it"
+                f"the loop runs faster than the log; between rows its reference is taken as {how}, {why}. "
+                f"If you know that this is right, state reference_held = {str(held).lower()} in [timing]"
             )
         if not reading.speed:
             out[i] = replace(out[i], notes=tuple(notes))
@@ -154,13 +154,13 @@ def noted(reading: LoopAssumption) -> tuple[Recording, ...]:
         speed = out[i].controller.velocity
         taken = "read without delay" if speed == "sensor" else "the difference of positions over its period"
         if reading.sure_of_speed:
-            line = f"no speed was logged; the loop's is taken as {taken}, which explains the recordings"
+            line = f"no speed was logged; the loop's speed is taken as {taken}, which fits the recordings"
         else:
             line = (
                 "no speed was logged, and the recordings alone do not show how the loop computed it; "
                 f"it is taken as {taken}"
             )
-        notes.append(f'{line}: state velocity = "{speed}" in [controller] if you know it')
+        notes.append(f'{line}. If you know that this is right, state velocity = "{speed}" in [controller]')
         out[i] = replace(out[i], notes=tuple(notes))
     return tuple(out)
 

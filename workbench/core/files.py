@@ -6,14 +6,15 @@ import os
 import signal
 import threading
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .unfinished import Stage
+from .unfinished import Stage, try_folder
 
 
 def as_path(given: Any, what: str, remedy: str = "give one, or name its file") -> Path:
@@ -62,8 +63,9 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
         InputError: one exists and `force` is not set, or the folder cannot be written.
     """
     with _uninterrupted(), together(), saying(next(iter(files))):
-        stages = _open.get()
-        assert stages is not None
+        block = _open.get()
+        assert block is not None
+        stages = block.stages
         for target in files:
             check_free(target, force=force)
             if target.parent in stages and target.name in stages[target.parent].names:
@@ -88,22 +90,43 @@ def together() -> Iterator[None]:
     if _open.get() is not None:
         yield
         return
-    stages: dict[Path, Stage] = {}
-    before = _open.set(stages)
+    block = _Block()
+    before = _open.set(block)
     try:
         yield
         with _uninterrupted():
-            for stage in filter(lambda stage: stage.names, stages.values()):
+            for stage in filter(lambda stage: stage.names, block.stages.values()):
                 with saying(stage.folder / stage.names[0]):
                     stage.place()
     finally:
         _open.reset(before)
-        for stage in reversed(stages.values()):
+        for stage in reversed(block.stages.values()):
             stage.clear()
+    for act in block.after:
+        act()
 
 
-#: Files that wait for the end of the block, by folder; None outside of one.
-_open: ContextVar[dict[Path, Stage] | None] = ContextVar("open", default=None)
+def when_written(act: Callable[[], object]) -> None:
+    """Call `act` once the files of the block around it are in their places; outside of one, now.
+
+    It is not called where the block fails.
+    """
+    block = _open.get()
+    if block is None:
+        act()
+    else:
+        block.after.append(act)
+
+
+@dataclass
+class _Block:
+    """What waits for the end of a block: files, by folder, and then what is done `after` they are there."""
+
+    stages: dict[Path, Stage] = field(default_factory=dict)
+    after: list[Callable[[], object]] = field(default_factory=list)
+
+
+_open: ContextVar[_Block | None] = ContextVar("open", default=None)
 
 
 @contextmanager
@@ -177,6 +200,16 @@ def check_free(path: str | Path, *, force: bool) -> None:
         raise InputError("is a folder, not a file", file=path, remedy="give a file name")
     if exists and not force:
         raise InputError("the file exists", file=path, remedy="choose another name or add --force")
+
+
+def check_place(path: str | Path) -> None:
+    """Refuse an output whose folder cannot be written, before any work is done.
+
+    Raises:
+        InputError: as it says; where the folder does not exist yet, it could not be made.
+    """
+    with saying(path):
+        try_folder(Path(path).parent)
 
 
 def check_apart(path: str | Path, read: Iterable[Path]) -> None:

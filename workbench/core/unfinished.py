@@ -74,6 +74,21 @@ class Stage:
                 folder.rmdir()
 
 
+def try_folder(folder: Path) -> None:
+    """Make and remove a hidden folder in `folder`, or in the next one above that exists.
+
+    Only trying tells on every file system, and for every user, whether files can be written there.
+
+    Raises:
+        OSError: they cannot.
+    """
+    while not folder.exists():
+        folder = folder.parent
+    if not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, f"{folder} is a file, not a folder")
+    os.rmdir(tempfile.mkdtemp(dir=folder, prefix=".", suffix=".part"))
+
+
 def place(stage: Path, names: Sequence[str]) -> None:
     """Move files of a hidden folder, called ``0``, ``1``, ..., to these names beside it, all of them.
 

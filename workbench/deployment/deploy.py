@@ -177,8 +177,7 @@ def run_host(
 
     with brought_down(host):
         for told in host.verify():
-            values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
-            say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
+            say(told.line)
         before(host)
         host.operator.arm = True
         host.run(seconds, each)

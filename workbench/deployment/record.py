@@ -141,7 +141,11 @@ def from_run(config: CanConfig, log: Path) -> Recording:
         with np.load(log.with_suffix(PLAYED)) as kept:
             rows = float(kept["begun"]), kept["reference"], kept["feedforward"]
     except (OSError, ValueError, KeyError) as error:
-        raise InputError("the robot never ran in this log", file=log, remedy="deploy again") from error
+        raise InputError(
+            "the robot never ran in this log",
+            file=log,
+            remedy="deploy for longer than the soft start: --seconds",
+        ) from error
     try:
         return recording(config, read_candump(log), Played(log.stem, *rows, Excitation("policy")))
     except InputError as error:

@@ -37,6 +37,16 @@ class Verified:
     told: dict[str, float]
     trusted: str
 
+    @property
+    def line(self) -> str:
+        """Return what the drive said of itself, with units, and what was taken on trust."""
+        units = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+        said = [f"{name} ±{self.told[name]:g} {unit}" for name, unit in units.items() if name in self.told]
+        if "watchdog" in self.told:
+            said.insert(0, f"watchdog {1e3 * self.told['watchdog']:g} ms")
+        trusted = f"; not read: {self.trusted}" if self.trusted else ""
+        return f"{self.axis} answers{': ' if said else ''}{', '.join(said)}{trusted}"
+
 
 def verify(config: CanConfig, network: Network, feedback: Feedback) -> list[Verified]:
     """Read, set and read back the settings of every drive; drives stay disabled.
@@ -92,7 +102,9 @@ def _verify(index: int, config: CanConfig, network: Network, feedback: Feedback)
         feedback.replace(index, make_drive(motor, (ranges[0], ranges[1], ranges[2])))
     missing = {"watchdog", "mode", "torque"} - set(drive.parameters)
     trusted = (
-        f"{', '.join(sorted(missing))} by {motor.watchdog_source or motor.ranges.source}" if missing else ""
+        f"{', '.join(sorted(missing))} as stated by {motor.watchdog_source or motor.ranges.source}"
+        if missing
+        else ""
     )
     return Verified(motor.axis, told, trusted)
 

@@ -5,7 +5,7 @@ from .diagnose import diagnose
 from .fitting.normal_equations import Normal, jackknife, total
 from .improve import improve as improve
 from .link_equations import LinkEquations, link_equations
-from .mend import with_mended_gains
+from .mend import states_gain, with_mended_gains
 from .one_effect import fit_effect
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "improve",
     "jackknife",
     "link_equations",
+    "states_gain",
     "total",
     "with_mended_gains",
 ]

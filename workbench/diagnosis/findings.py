@@ -239,7 +239,7 @@ def by_links_line(found: SearchResult) -> tuple[str, ...]:
     if not found.by_links:
         return ()
     return (
-        "other masses, centres of mass and inertias of all links together explain "
-        f"{100.0 * found.by_links:.0f} % of what is left in the torque on data that were not fitted: these "
-        "numbers of the model may be guesses; 'workbench identify links' fits all of them",
+        "new masses, centres of mass and inertias of all links together explain "
+        f"{100.0 * found.by_links:.0f} % of the remaining torque on data that were not fitted: the model's "
+        "numbers may be guesses; 'workbench identify links' fits all of them",
     )

@@ -72,6 +72,13 @@ def mend_recordings(
     )  # fmt: skip
 
 
+def states_gain(recordings: Sequence[Recording], key: EffectKey) -> bool:
+    """Return whether an effect is a wrong gain that files of recordings state: it is corrected there, and the
+    model does not need it.
+    """
+    return key.effect == _GAINS and any(map(_states_gains, recordings))
+
+
 def with_mended_gains(recordings: Sequence[Recording], diagnosis: Diagnosis) -> Recordings:
     """Return recordings with the gains that a diagnosis says to write in their files.
 

@@ -44,25 +44,33 @@ class HeldOutFall:
     floor: float
 
     @property
+    def share(self) -> float | None:
+        """Return the `removed_share`; None where the recordings show too little without the effect."""
+        before, after, floor = self.before**2, self.after**2, self.floor**2
+        return None if before < POLICY.holdout_informative * floor else removed_share(before, after, floor)
+
+    @property
     def line(self) -> str:
         """Return a line that says what share of the held-out errors the effect removes; the errors stand
         beside it.
         """
-        squares = self.before**2, self.after**2, self.floor**2
-        if squares[0] < POLICY.holdout_informative * squares[2]:
+        if self.share is None:
             times = self.before / self.floor
-            return (
-                f"held-out recordings are not informative enough: their error was {times:.2f} times the noise"
-            )
-        return removes(removed_share(*squares), "held-out recordings")
+            return f"held-out recordings cannot test it: their error is only {times:.2f} times the noise"
+        return removes(self.share, "held-out recordings")
 
 
 def removes(share: float, data: str) -> str:
     """Return a `removed_share` as a clause that names the data; a negative share reads as an increase."""
-    verb, of = ("removes", "of") if share >= 0.0 else ("adds", "to")
-    return f"{verb} {shown(abs(share))} {of} the squared error above the noise on {data}"
+    if share < 0.0:
+        return f"adds {-100.0 * share:.1f} % to the squared error above the noise on {data}"
+    return f"removes {shown(share)} of the squared error above the noise on {data}"
 
 
 def shown(share: float) -> str:
-    """Return a share in percent; a share slightly above one, by noise, is shown as 100 %."""
-    return f"{100.0 * min(max(share, 0.0), 1.0):.1f} %"
+    """Return a share as one says it: all where noise alone is left, otherwise percent that never round to
+    100.
+    """
+    if share >= 1.0:
+        return "all"
+    return "more than 99.9 %" if share >= 0.9995 else f"{100.0 * max(share, 0.0):.1f} %"

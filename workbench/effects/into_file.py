@@ -168,7 +168,7 @@ def _joints(
         if after < -_ROUNDING * max(abs(before), *(abs(n.more) for n in more)):
             raise InputError(
                 f"{kind} '{name}' would have {number} {after:.3g}", file=file, column=number,
-                remedy=f"it has {before:.3g}; the excess comes from {model.source or 'the model'}",
+                remedy=f"the file has {before:.3g}; the rest comes from {model.source or 'the model'}",
             )  # fmt: skip
         after = max(after, 0.0)
         values = totals.setdefault((name, kind), {})

@@ -64,7 +64,7 @@ def find_robots(
         if not fit:
             raise InputError(
                 f"all recordings of '{name}' are held out",
-                remedy="leave some to be fitted, or leave --holdout out",
+                remedy="leave some to be fitted, or omit --holdout",
             )
         robots.append(Robot(name, _model_of(name, models), fit, tuple(f for f in own if f in judge)))
     return robots

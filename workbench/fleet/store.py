@@ -79,7 +79,7 @@ def stored(folder: Path, name: str) -> dict[str, Any] | None:
         raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
     except (ValueError, KeyError, TypeError):
         pass
-    raise InputError(f"is no result of robot '{name}'", file=file, remedy="choose another folder")
+    raise InputError(f"is not a result of robot '{name}'", file=file, remedy="choose another folder")
 
 
 def keep(folder: Path, content: dict[str, Any]) -> None:

@@ -112,7 +112,7 @@ def load_design(path: str | Path) -> Design:
     for trial in d.trials:
         if Path(trial.table).name != trial.table:
             raise InputError(
-                f"'{trial.table}' is no file name", file=path, column="trials.table",
+                f"'{trial.table}' is not a file name", file=path, column="trials.table",
                 remedy="put the table beside the design",
             )  # fmt: skip
         table = path.parent / trial.table

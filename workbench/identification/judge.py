@@ -44,9 +44,13 @@ class Judgement:
         """What a person should know."""
         left = f"the residual is {self.cost / self.expected:.3g} times what noise alone gives"
         if self.adequate:
-            return f"The model order is enough: {left}, and white along frequency."
-        along = "" if self.white else f", and correlated along frequency ({self.correlation:.2f})"
-        return f"The model order is not enough, or the machine distorts: {left}{along}."
+            return f"The model fits: {left}, and no pattern over frequency remains."
+        along = (
+            ""
+            if self.white
+            else f", and a pattern over frequency remains (correlation {self.correlation:.2f})"
+        )
+        return f"The model is too simple, or the machine is not linear: {left}{along}."
 
 
 def judge(rest: Sequence[np.ndarray], used: Sequence[Frf], measured: Sequence[Frf], count: int) -> Judgement:

@@ -20,26 +20,25 @@ Rows = tuple[Row, Sequence[Row]]
 
 def links_sentences(found: LinksIdentification) -> tuple[str, ...]:
     """Return the result, and what to know about it, one sentence each."""
-    beside = "the best friction, damping and constant torque of each drive"
-    if found.springs:
-        beside += ", and a spring,"
+    drives = f"friction, damping{', a spring' if found.springs else ''} and a constant torque of each drive"
     where = "on held-out recordings" if found.held_out else "on blocks of data that were not fitted"
-    explained = f"Other numbers of the links explain {percent(found.share)} of the torque that stays"
+    share = f"New numbers of the links explain {percent(found.share)} of the torque that"
+    explained = f"{share} {drives} leave unexplained"
     if found.share <= 0.0:
-        first = f"Other numbers of the links explain nothing {where}: what is missing has another cause."
+        first = f"New numbers of the links explain nothing {where}: what is missing has another cause."
     elif found.share < _MOST:
-        first = f"{explained} beside {beside} {where}: most of it has another cause."
+        first = f"{explained}, {where}. Most of it has another cause."
     else:
-        first = f"{explained} beside {beside} {where}."
+        first = f"{explained}, {where}."
     count = sum(len(link.numbers) for link in found.links)
     identifiable = (
-        f"About {found.identifiable:.0f} combinations of the {count} numbers are identifiable. Many bodies "
-        "need the same torque; of these, the ones nearest to the file were taken. All of them can exist."
+        f"About {found.identifiable:.0f} combinations of the {count} numbers are identifiable. Many sets of "
+        "numbers need the same torque; the one nearest to the file was taken. All its bodies can exist."
     )
     if not found.springs:
         return first, identifiable
     springs = (
-        f"A spring on {any_of(found.springs, 'and')} was fitted beside the links, because data that were not "
+        f"A spring on {any_of(found.springs, 'and')} was fitted with the links, because data that were not "
         "fitted show it; the new file does not have it."
     )
     return first, identifiable, springs
@@ -95,7 +94,7 @@ def links_sheet(found: LinksIdentification) -> Sheet:
         sentence=first,
         lines=tuple(rest),
         key_numbers=(
-            ("Explained by the links", percent(found.share), "of the torque that the drives leave"),
+            ("Explained by the links", percent(found.share), "of the torque that friction and damping leave"),
             ("Identifiable", f"{found.identifiable:.0f}", f"combinations of {len(found.links) * 10} numbers"),
             (
                 f"Torque left on {worst.axis}",

@@ -102,6 +102,7 @@ def links_figure(found: LinksIdentification) -> Figure:
         ax.set_yticks(rows, [printed(t.axis) for t in found.torques])
         ax.invert_yaxis()
         ax.set_xscale("log")
+        ax.xaxis.set_major_formatter("{x:g}")
         ax.set_xlabel("torque that stays unexplained, times the noise")
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.35), ncols=2)
     return figure

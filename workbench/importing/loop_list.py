@@ -122,7 +122,7 @@ def with_list(file: Path, listed: LoopList) -> Converted:
     for name in listed.motors:
         if name not in joints:
             raise InputError(
-                f"'{name}' is no joint of {file.name}", file=listed.file, remedy="name joints of the URDF"
+                f"'{name}' is not a joint of {file.name}", file=listed.file, remedy="name joints of the URDF"
             )
     pairs: list[tuple[str, str]] = []
     for number, (first, second, whole) in enumerate(listed.loops):
@@ -130,7 +130,7 @@ def with_list(file: Path, listed: LoopList) -> Converted:
         for name in (first, second):
             if name not in links and name not in behind:
                 raise InputError(
-                    f"'{name}' is no frame of {file.name}", file=listed.file, column="closed_loop",
+                    f"'{name}' is not a frame of {file.name}", file=listed.file, column="closed_loop",
                     remedy="name links or joints of the URDF",
                 )  # fmt: skip
             ends.append(name if name in links else behind[name])

@@ -213,8 +213,8 @@ def free_joints(model: Model) -> str | None:
         return None
     what = 'type="fixed"' if is_urdf(model.serial) else "take its <joint> out"
     return (
-        f"{', '.join(names)} of {model.serial.name} is no axis of the model: nothing drives it, so it moves "
-        f"freely here. If the machine holds it, fix it in a copy of the file ({what})"
+        f"{', '.join(names)} of {model.serial.name} is not an axis of the model: nothing drives it, so it "
+        f"moves freely here. If the machine holds it, fix it in a copy of the file ({what})"
     )
 
 

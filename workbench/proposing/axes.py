@@ -66,7 +66,7 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     wanted = list(draft.answers.axes or draft.answers.model_axes)
     if not wanted:
         named = not all(not j or j.startswith("column_") for j in joints)
-        because = "names of the columns" if named else "counted; the columns have no names"
+        because = "names of the columns" if named else "numbered in order: the columns have no names"
         draft.assume("axes", ", ".join(own), 0.97 if all(joints) and named else 0.93, because)
         return joints, own
     whole = _verbatim(wanted, positions)

@@ -96,7 +96,7 @@ def _check_answers(table: Table, answers: Answers) -> None:
             if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
                 remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one per axis"
             raise InputError(
-                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file, remedy=remedy
+                f"'{wrong[0] if wrong else text}' is not a unit of {kind}", file=table.file, remedy=remedy
             )
 
 

@@ -38,7 +38,7 @@ def whole_clocks(table: Table) -> Table:
         # in a double, seconds since 1970 have no nanoseconds left
         columns = {name: (a - np.nanmin(a)) + b * 10.0**-digits, **columns}
         units[name] = "s"
-        notes.append(f"'{name}' is '{seconds}' and '{part}' joined.")
+        notes.append(f"'{name}' is made of '{seconds}' and '{part}'.")
     for name, values in columns.items():
         if role_of(name).kind == "time" and (found := _going_on(values)) is not None:
             columns[name], period = found

@@ -137,7 +137,7 @@ def _check_one(draft: Draft, kind: str, unit: str, axes: Sequence[str], linear: 
     right = [unit if line == is_linear(unit, kind) else EXAMPLES[kind][line] for line in linear]
     moves = "turns" if is_linear(unit, kind) else "moves along a line"
     raise InputError(
-        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}", file=draft.table.file,
+        f"'{unit}' is not a unit of {kind} of '{wrong[0]}', which {moves}", file=draft.table.file,
         remedy=f"give one per axis: --unit {kind}={','.join(right)}",
     )  # fmt: skip
 

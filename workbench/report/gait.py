@@ -36,7 +36,8 @@ def summary(result: Gait) -> Summary:
 
 def _title(result: Gait) -> str:
     forward, yaw = result.command
-    return f"{result.hardware} against {result.simulator}; shares of {forward:.3g} m/s, {yaw:.3g} rad/s."
+    both = f"{result.hardware} against {result.simulator}"
+    return f"{both}; speeds relative to {forward:.3g} m/s, {yaw:.3g} rad/s."
 
 
 def gait_dict(result: Gait, not_predicted: str | None = None) -> dict[str, Any]:

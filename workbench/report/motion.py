@@ -6,12 +6,13 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.files import check_free
+from workbench.core.files import check_free, write_whole
 
 from .numbers import rounded
 from .shell import reproduce, template
@@ -74,10 +75,9 @@ def film(file: Path, time: np.ndarray, ends: np.ndarray, *, force: bool = False)
     """Write the same motion as an mp4.
 
     Raises:
-        InputError: ffmpeg is not installed, or the file exists.
+        InputError: as `check_film`; the file exists and `force` is false, or it cannot be written.
     """
-    if shutil.which("ffmpeg") is None:
-        raise InputError("ffmpeg is not installed", file=file, remedy="install it, or write the page alone")
+    check_film(file)
     check_free(file, force=force)
     from matplotlib.animation import FFMpegWriter
     from matplotlib.figure import Figure
@@ -91,10 +91,25 @@ def film(file: Path, time: np.ndarray, ends: np.ndarray, *, force: bool = False)
     bars = Line3DCollection(ends[0], linewidths=3)
     axes.add_collection3d(bars)
     writer = FFMpegWriter(fps=round((len(time) - 1) / max(float(time[-1] - time[0]), 1e-6)))
-    with writer.saving(figure, str(file), dpi=100):
-        for frame in ends:
-            bars.set_segments(frame)
-            writer.grab_frame()
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / "film.mp4"
+        with writer.saving(figure, str(made), dpi=100):
+            for frame in ends:
+                bars.set_segments(frame)
+                writer.grab_frame()
+        write_whole(file, made.read_bytes(), force=force)
+
+
+def check_film(file: str | Path) -> None:
+    """Refuse a film that cannot be made, before the work starts.
+
+    Raises:
+        InputError: its name does not end in .mp4, or ffmpeg is not installed.
+    """
+    if Path(file).suffix.lower() != ".mp4":
+        raise InputError("a film is written as MP4", file=file, remedy="name it .mp4")
+    if shutil.which("ffmpeg") is None:
+        raise InputError("ffmpeg is not installed", file=file, remedy="install it, or write the page alone")
 
 
 def _panel(panel: Panel) -> dict[str, Any]:

@@ -194,7 +194,11 @@ def _findings(result: Diagnosis | Improvement) -> dict[EffectKey, Finding]:
 
 def _effects_title(result: Result) -> str:
     if isinstance(result, Improvement):
-        return "What was added: nearest, but not a cause" if result.nearest else "What was added"
+        return (
+            "What was added: the nearest effects, which are not the cause"
+            if result.nearest
+            else "What was added"
+        )
     return "What is missing"
 
 

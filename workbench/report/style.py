@@ -44,6 +44,13 @@ _RC: Any = {
     "figure.dpi": 120,
 }
 
+#: Formats of pictures, each with what keeps date and version out of the file.
+_NO_DATE: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None},
+}
+
 _VARIABLES = {light: f"var(--{name})" for name, (light, _) in COLOURS.items()} | {"#ffffff": "var(--paper)"}
 
 
@@ -53,20 +60,38 @@ def house_style() -> AbstractContextManager[None]:
 
 
 def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Path:
-    """Write a figure as PNG or SVG, by the ending of the name, complete or not at all."""
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in ("png", "svg"):
-        raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
+    """Write a figure as PNG, SVG or PDF, by the ending of the name, complete or not at all.
+
+    Raises:
+        InputError: another ending, the file exists and `force` is false, or it cannot be written.
+    """
+    check_figure(path)
     check_free(path, force=force)
-    return write_whole(path, figure_bytes(figure, kind), force=force)
+    return write_whole(path, figure_bytes(figure, _kind(path)), force=force)
+
+
+def check_figure(path: str | Path) -> None:
+    """Refuse a file whose ending is not that of a picture that can be written.
+
+    Raises:
+        InputError: as it says.
+    """
+    if _kind(path) not in _NO_DATE:
+        raise InputError(
+            f"no picture can be written as '{Path(path).suffix}'", file=path,
+            remedy="name it .png, .svg or .pdf",
+        )  # fmt: skip
+
+
+def _kind(path: str | Path) -> str:
+    return Path(path).suffix.lower().lstrip(".")
 
 
 def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
-    """Return the figure as PNG or SVG; the bytes are the same at every call."""
+    """Return the figure as PNG, SVG or PDF; the bytes are the same at every call."""
     buffer = io.BytesIO()
-    metadata = {"Date": None} if kind == "svg" else {"Software": None}
     with mpl.rc_context(_RC):
-        figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
+        figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=_NO_DATE[kind])
     return buffer.getvalue()
 
 

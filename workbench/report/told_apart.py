@@ -56,7 +56,7 @@ def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
     lines = []
     for d in found:
         pairs = [f"{short(v)} in {name}" for name, v in zip(d.recordings, d.values, strict=True)]
-        meaning = f", as between {d.meaning}" if d.meaning else ""
+        meaning = f", like the difference between {d.meaning}" if d.meaning else ""
         its = f"its {d.parameter.replace('_', ' ')} " if d.parameter else ""
         lines.append(
             f"The recordings disagree: {w.effect_phrase(d.key)} explains each of them, but {its}is "

@@ -127,7 +127,7 @@ def hide(effect: HiddenIn, machine: OwnMachine) -> None:
     name = effect.effect
     if name not in _ALL:
         known = {**EFFECTS, **OUTSIDERS}
-        why = "is one of the reference leg alone" if name in known else "is no effect that can be hidden"
+        why = "is one of the reference leg alone" if name in known else "is not an effect that can be hidden"
         raise InputError(
             f"'{name}' {why}: the virtual hardware of {machine.name} cannot hide it",
             remedy=f"one of {', '.join(HIDEABLE)}",

@@ -101,8 +101,8 @@ def world_fields(machine: Machine, settings: Randomisation, worlds: int, seed: i
         trunk = m.body("trunk").id
         if m.body_mass[trunk] + settings.base_mass[0] <= 0.0:
             raise InputError(
-                f"{settings.base_mass[0]:g} kg leave nothing of a trunk of {m.body_mass[trunk]:g} kg",
-                column="trunk_mass", remedy="give a higher lowest addition",
+                f"{settings.base_mass[0]:g} kg more leave a trunk of {m.body_mass[trunk]:g} kg without mass",
+                column="trunk_mass", remedy="give a larger lowest value",
             )  # fmt: skip
         field("body_mass")[:, trunk] += generator.uniform(*settings.base_mass, worlds)
         spread = settings.base_centre

@@ -95,7 +95,7 @@ def read_task(text: str, file: Path | None) -> Task:
     }
     if table.trunk_mass is not None and (base.machine == "leg" or table.trunk_mass[0] > table.trunk_mass[1]):
         raise InputError(
-            "is no range of a trunk's additional mass", file=file, column="trunk_mass",
+            "is not a range of additional mass of the trunk", file=file, column="trunk_mass",
             remedy="give lowest and highest [kg] for a task of a quadruped, or leave it out",
         )  # fmt: skip
     if table.hidden is not None:

@@ -113,7 +113,8 @@ class Changes:
         self._places = places(model)
 
     def _offer(self) -> None:
-        options = {w.capital(w.effect_phrase(key)): key for key in self._places}
+        takes = self.live.takes
+        options = {w.capital(w.effect_phrase(key)): key for key in self._places if takes(key)}
         if list(options) != list(self.by_hand.options):
             self.by_hand.options = dict(sorted(options.items()))
         idle = self.live.work is None and self.live.bench.chosen is not None

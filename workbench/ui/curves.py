@@ -12,7 +12,7 @@ from workbench.core.units import torque_unit
 from workbench.report.numbers import handy
 from workbench.report.residuals import min_max
 
-from .plots import band, crosshair, figure, line, set_range, span_of, zooming
+from .plots import band, crosshair, figure, line, set_height, set_range, span_of, zooming
 
 _BINS = 900  # stretches that a curve is thinned to: about one per pixel
 _SIGNALS = (("position", "position"), ("torque_measured", "torque"))
@@ -115,7 +115,7 @@ class Curves:
         """Write the time below the lowest diagram only."""
         for k, plot in enumerate(self.figures):
             plot.xaxis.visible = plot is lowest
-            plot.height = _HEIGHTS[k % 2] + (_BELOW if plot is lowest else 0)
+            set_height(plot, _HEIGHTS[k % 2] + (_BELOW if plot is lowest else 0))
 
     def _fill(
         self,

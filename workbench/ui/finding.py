@@ -8,6 +8,7 @@ from typing import Any
 from workbench.core import Diagnosis, EffectKey, Finding
 from workbench.report import sentence
 from workbench.report import wording as w
+from workbench.report.answer import mend_sentences
 from workbench.report.numbers import interval, number, percent
 
 from .live import Live
@@ -70,14 +71,15 @@ class Findings:
         self.verdict.object = f"<p class='verdict {tone}'>{safe(words)}</p>"
 
     def _parts(self, d: Diagnosis) -> list[Any]:
-        parts: list[Any] = [self.verdict]
+        parts: list[Any] = [self.verdict, *(text(f"<p>{safe(line)}</p>") for line in mend_sentences(d))]
         for finding in d.findings:
             parts += [self._card(finding)]
-        if len(d.findings) > 1:
+        if sum(map(self._takes, d.findings)) > 1:
             parts.append(button("Add all of them", self._add_all))
         if d.next_experiment:
             parts.append(text(f"<p><b>Measure next:</b> {safe(d.next_experiment)}</p>"))
-        others = [(k, s) for k, s in d.ranking if k not in {f.key for f in d.findings}][:_RANKED]
+        named = {f.key for f in d.findings}
+        others = [(k, s) for k, s in d.ranking if k not in named and self.live.takes(k)][:_RANKED]
         if others:
             about = (
                 "The share of the squared error above the noise that each removes by itself, on data that it "
@@ -104,7 +106,10 @@ class Findings:
             f"</table>{told}"
         )
         tail = f"<details><summary>Evidence</summary><ul>{evidence}</ul></details>" if evidence else ""
-        add = self._adder(f"Add {w.effect_phrase(f.key)}", f.key, lambda: self._add(f), kind="primary")
+        if self._takes(f):
+            add = self._adder(f"Add {w.effect_phrase(f.key)}", f.key, lambda: self._add(f), kind="primary")
+        else:
+            add = text("<p>Correct it in the files of the recordings, and choose these again.</p>")
         return column(text(head), add, text(tail), css_classes=["effect"])
 
     def _other(self, key: EffectKey, share: float) -> Any:
@@ -119,11 +124,14 @@ class Findings:
         self._adders.append((out, key, name))
         return out
 
+    def _takes(self, f: Finding) -> bool:
+        return self.live.takes(f.key)
+
     def _add(self, f: Finding) -> None:
         self.live.do(lambda: self.live.bench.add_finding(f))
 
     def _add_all(self) -> None:
         diagnosis = self.live.bench.diagnosis
         for f in diagnosis.findings if diagnosis else ():
-            if not self.live.bench.has(f.key):
+            if self._takes(f) and not self.live.bench.has(f.key):
                 self._add(f)

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from workbench.core import Diagnosis, EffectKey
-from workbench.diagnosis import diagnose, fit_effect
+from workbench.diagnosis import diagnose, fit_effect, states_gain
 from workbench.models import AppliedEffect, Model
 from workbench.report.wording import capital, effect_phrase
 
@@ -89,6 +89,11 @@ class Live(Following):
                 self.do(lambda: self.bench.take(f"adding {phrase}", result[1]))
 
         self._work(f"starting to fit {phrase}", fit_effect, (model, chosen.split()[0], key), done)
+
+    def takes(self, key: EffectKey) -> bool:
+        """Return whether an effect belongs in the model: gains that recordings state are corrected there."""
+        chosen = self.bench.chosen
+        return chosen is None or not states_gain(chosen.recordings, key)
 
     def stop(self) -> None:
         """Stop the present work at once."""

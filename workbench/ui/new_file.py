@@ -24,7 +24,7 @@ def new_file(folder: Path, name: str, ending: str, *, force: bool) -> Path:
     name = name.strip()
     if not name or name[0] == "." or Path(name).name != name or "\\" in name or plain(name) != name:
         remedy = f"e.g. better{ending}, without a folder"
-        raise InputError(f"'{plain(name)}' is no plain file name", remedy=remedy)
+        raise InputError(f"'{plain(name)}' is not a plain file name", remedy=remedy)
     target = folder / (name if name.endswith(ending) else name + ending)
     check_free(target, force=force)
     return target

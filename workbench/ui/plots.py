@@ -11,12 +11,15 @@ from workbench.core.palette import LINES
 
 _SMALL = "12px"
 _FONT = "system-ui, Segoe UI, Roboto, Noto Sans, DejaVu Sans, sans-serif"
+#: px; a browser follows a change of the least height of a figure that it drew, but not one of the height
+_LEAST_HEIGHT = 40
 
 
 def figure(*, height: int, x_label: str = "", y_label: str = "", **options: Any) -> Any:
     """Return an empty figure without a toolbar, as wide as its place."""
     out = new_figure(
-        height=height,
+        height=_LEAST_HEIGHT,
+        min_height=height,
         sizing_mode="stretch_width",
         toolbar_location=None,
         tools="",
@@ -38,6 +41,11 @@ def figure(*, height: int, x_label: str = "", y_label: str = "", **options: Any)
         axis.minor_tick_line_color = None
         axis.major_tick_in, axis.major_tick_out = 0, 4
     return out
+
+
+def set_height(plot: Any, height: int) -> None:
+    """Set the height of a figure [px], which may be on a page already."""
+    plot.min_height = height
 
 
 def line(plot: Any, source: ColumnDataSource, x: str, y: str, look: str, **options: Any) -> Any:

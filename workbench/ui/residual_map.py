@@ -12,7 +12,7 @@ from workbench.core import RecordingError
 from workbench.report.numbers import plain, short
 from workbench.report.residuals import SIGNALS, column, has, noise, speed
 
-from .plots import figure, set_range
+from .plots import figure, set_height, set_range
 
 _BINS = 24
 _FEWEST = 12
@@ -122,7 +122,7 @@ class MapView:
                     out["text"].append(f"{ratio:.3g}")
                     out["range"].append(f"{short(float(a))} to {short(float(b))} {unit}")
         self.plot.y_range.factors = names[::-1]
-        self.plot.height = 64 + 26 * max(2, len(names))
+        set_height(self.plot, 64 + 26 * max(2, len(names)))
         self.plot.xaxis.axis_label = f"{against} [{units[0]}]" if same and units else against
         set_range(self.plot.x_range, low, high)
         self.source.data = out

@@ -132,25 +132,35 @@ def finding_lines(
         found: all effects of the final model, none of which is another explanation.
         held_out: the held-out errors that are told beside it; None where there are none.
     """
-    agree, of = step.folds
     parts = "parts of the recordings, each left out of the fit in turn"
     judges = "held-out recordings" if step.by_holdout else parts
     lines = [] if held_out is None else [held_out.line]
     if held_out is None or not step.by_holdout:
         lines.append(removes(step.removed_share, judges))
-    lines.append(f"lowers the error on {agree} of {of} {judges if step.by_holdout else 'such parts'}")
+    lines.append(_lowers(*step.folds, "held-out recording" if step.by_holdout else "such part"))
+    removed = step.removed_share if held_out is None else held_out.share
     known = {applied.key, *step.indistinguishable, *found}
     others = [(k, s) for k, s in step.ranking if k not in known]
-    if others:
+    if removed is not None and removed < 0.0 and set(found) - {applied.key}:
+        # an effect that others cancel: what it does without them is no reason for it or against it
+        lines = ["lowers the error only together with the other effects that were found"]
+    elif others:
         key, share = others[0]
         other = effect_phrase(key)
         beside = f"simpler than {other}, which" if share > step.removed_share else f"the next best, {other},"
         theirs, own = shown(share), shown(step.removed_share)
-        much = f"as much, {own}" if theirs == own else f"{theirs}; this effect removes {own}"
+        much = f"{theirs} too" if theirs == own else f"{theirs}; this effect removes {own}"
         lines.append(f"{beside} removes {much} (on {judges}, each signal divided by its noise)")
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
     return (*lines, *filter(None, words), f"typical sign: {effect.words.shows}")
+
+
+def _lowers(agree: int, of: int, what: str) -> str:
+    """Return a clause on how many of the parts that were not fitted an effect makes better."""
+    if of == 1:
+        return f"{'lowers' if agree else 'does not lower'} the error on the {what}"
+    return f"lowers the error on {f'all {of}' if agree == of else f'{agree} of {of}'} {what}s"
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:

@@ -50,7 +50,7 @@ def read_table(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     name = path.name.lower()
     if name.endswith(_IMPORTED):
         remedy = f"run 'workbench import {path.name}': it makes a table of it"
-        raise InputError("this is no table of columns yet", file=path, remedy=remedy)
+        raise InputError("this is not a table of columns yet", file=path, remedy=remedy)
     endings = [e for e in READERS if name.endswith(e)]
     if not endings:
         remedy = f"convert it to one of {', '.join(READERS)}"
