@@ -141,3 +141,20 @@ def test_what_adds_to_one_whose_runs_diverge_is_no_better() -> None:
     best, more = with_effects(leaving(0.04), loose), with_effects(leaving(0.01), loose, spring)
     assert best.diverges and not accepts(more, best, problem)
     assert accepts(with_effects(leaving(0.01), spring), best, problem), "another cause may be better"
+
+
+@pytest.mark.parametrize(("held_out", "taken"), [(0.95, False), (0.6, True)])
+def test_what_is_added_lowers_the_held_out_error_too(held_out: float, taken: bool) -> None:
+    """Where held-out data are at the noise already, they have no excess that could fall."""
+    problem = lacking()[0]
+
+    def tested(node: Node, times_floor: float) -> Node:
+        squares = node.current.mean_squares.copy()
+        squares[-1] = times_floor * problem.data.least(held_out=True)
+        return replace(node, current=rescored(replace(node.current, mean_squares=squares), problem.data))
+
+    best, child = tested(leaving(0.03), 0.99), tested(leaving(0.012), held_out)
+    (one,) = child.current.hypothesis.free
+    more = AppliedEffect(EffectKey("torque_constant_error", "hip"), one.parameters)
+    added = replace(child.current.hypothesis, free=(one, more))
+    assert accepts(replace(child, current=replace(child.current, hypothesis=added)), best, problem) is taken

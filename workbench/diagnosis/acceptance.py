@@ -97,13 +97,12 @@ def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = Non
     """Return whether the excess above the noise falls to the share `left`, in training and test.
 
     A replacement that leaves more than half is no improvement; one that leaves less replaced a wrong effect.
+    Below the noise there is nothing left to halve.
     """
     left = POLICY.exchange_left if left is None else left
-    pairs = (
-        (current.training_loss, found.training_loss, training_noise_floor(data)),
-        (current.test_loss, found.test_loss, test_noise_floor(data)),
-    )
-    return all(after - floor < left * (before - floor) for before, after, floor in pairs)
+    floors = np.array([training_noise_floor(data), test_noise_floor(data)])
+    before, after = (np.maximum([f.training_loss, f.test_loss] - floors, 0.0) for f in (current, found))
+    return bool(before.any() and np.all(after <= left * before))
 
 
 def near_noise_floor(found: Fit, data: Data) -> bool:

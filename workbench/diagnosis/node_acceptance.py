@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .acceptance import at_noise_floor, halves_excess, near_noise_floor
+from .acceptance import at_noise_floor, halves_excess, improves_residual, near_noise_floor
 from .adequacy.adequacy import adequacies
 from .adequacy.imitations import imitate_another_law
 from .adequacy.link_errors import several_wrong
@@ -46,7 +46,10 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
         return False, (
             "it adds effects to the best so far, whose runs diverge, so its remaining error says nothing"
         )
-    if not best.done and halves_excess(rescored(child.current, best.data), best.current, best.data):
+    found = rescored(child.current, best.data)
+    if child.keys > best.keys and not improves_residual(found, best.current, problem.start, best.data):
+        return False, "what it adds to the best so far lowers the error too little"
+    if not best.done and halves_excess(found, best.current, best.data):
         return True, "it leaves less than half of the excess error of the best so far"
     # of two with as many parameters the one that was fitted in its loop
     size, others = (child.size, child.jointly), (best.size, best.jointly)
