@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tomli_w
+from two_mass_fit import fit_two_mass, two_mass_numbers
 
 from workbench.core import Excitation, InputError, Recording
 from workbench.frf import estimate, find_resonances, lines_of
-from workbench.identification import fit_two_mass, two_mass_numbers
 from workbench.recordings import load_recording, save_recording
 
 from ..data_helpers import data_folder

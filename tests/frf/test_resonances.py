@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.identification.test_fit import two_mass_frf
 from workbench.core import InputError
 from workbench.frf import find_resonances
 
 from .sure import within
+from .two_mass import two_mass_frf
 
 
 def test_frequencies_dampings_and_intervals() -> None:
