@@ -6,6 +6,7 @@ from __future__ import annotations
 EXTRA = {
     "training": "training",
     "analyses/test_transfer_jump.py": "training",
+    "analyses/test_transfer_robot.py": "training",
     "analyses/test_transfer_worlds.py": "training",
     "cli/test_bad_input.py::test_what_cannot_be_read_ends_in_one_line[export 0]": "training",
     "cli/test_compare_gait.py": "training",

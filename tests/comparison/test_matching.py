@@ -25,7 +25,7 @@ def test_a_right_model_tells_what_its_torque_does_not(
     assert len(readings(model, [log])) > 1
     ((told,),) = matched_ways(model, [log])
     assert (told.timing.reference_held, told.controller.velocity) == (held, "sensor")
-    assert sum("explains the recordings" in note for note in told.notes) == 2
+    assert sum("fits the recordings" in note for note in told.notes) == 2
     assert compare(model, [log]).consistent
 
 

@@ -108,7 +108,7 @@ def test_what_cannot_be_hidden_is_said_in_one_line(tmp_path: Path) -> None:
     model = _sled(tmp_path)
     for effect, told in (
         (HiddenIn("linkage_gravity", None, "actuator", {"g1": 1.0, "g2": 0.0}), "the reference leg alone"),
-        (HiddenIn("gremlins", "way"), "no effect that can be hidden"),
+        (HiddenIn("gremlins", "way"), "is not an effect that can be hidden"),
         (HiddenIn("backlash", "knee"), "no axis 'knee'; axes are way"),
         (HiddenIn("backlash", "way", "joint"), "cannot sit in a joint"),
         (HiddenIn("backlash", "way", "actuator", {"gap": 0.1}), "do not fit"),

@@ -70,7 +70,7 @@ def test_figures_are_saved_whole_and_reproducibly(tmp_path, improvement):
         assert one.read_bytes().startswith(magic) and one.read_bytes() == two.read_bytes()
     with pytest.raises(InputError, match="the file exists"):
         save_figure(ladder_figure(improvement), tmp_path / "a.png")
-    with pytest.raises(InputError, match=r"name it \.png or \.svg"):
+    with pytest.raises(InputError, match=r"name it \.png, \.svg or \.pdf"):
         save_figure(ladder_figure(improvement), tmp_path / "a.bmp")
 
 

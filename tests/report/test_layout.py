@@ -117,6 +117,7 @@ def test_short_cells_stay_whole_and_pictures_have_a_shadow(tmp_path: Path, chrom
     page = write_sheet(sheet, tmp_path / "page.html", command="c", seeds={})
     chrome.look(390, 844)
     chrome.open(page.as_uri())
+    chrome.wait("document.querySelector('.sheet tbody th') !== null")
     tall, name = (
         chrome.ask(f"document.querySelector('.sheet tbody {k}').offsetHeight") for k in ("tr", "th")
     )
