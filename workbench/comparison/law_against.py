@@ -68,7 +68,9 @@ def law_against(recording: Recording, plant: Plant, levels: NoiseLevels, *, by_n
         none = drive[rows, 0, :0]
         return [Asked(lacking[rows, k], answers[rows, k], none, none, drive[rows, k]) for k in range(n)]
     # dry friction at rest takes any torque, also one that the model does not have
-    reading = FilteredRecording(recording, track, to_actuator, "", corner, np.ones_like(first, bool))
+    reading = FilteredRecording(
+        shown, track, to_actuator, "torque_command", corner, np.ones_like(first, bool)
+    )
     (moves,) = moving([reading], [np.zeros_like(first)], plant.model.transmission)
     weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
     lacking = centred(first) - passed(required_torque(plant, track, recording.period))

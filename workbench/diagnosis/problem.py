@@ -16,10 +16,12 @@ from workbench.models import Model
 
 from .data import Data, gather_along
 from .hypothesis import Fit, Hypothesis
-from .loss import rescored
+from .loss import rescored, test_noise_floor
 from .policy import POLICY
+from .removed_share import removed_share
 from .screening.candidate import Candidate
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
+from .screening.one_delay import one_delay_may_suffice
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_columns import regression_of
@@ -116,6 +118,16 @@ class Problem:
         self.progress("screening effects")
         known = None if self.linear is None else self.linear.equations
         return candidates(self.linearisation, self.start, self.data, self.seed, known)
+
+    @cached_property
+    def one_effect_may_suffice(self) -> bool:
+        """Return whether one effect explains the recordings: as screened, or a delay if that is costly."""
+        if self.is_expensive:
+            along = self.inverse_dynamics
+            return along is not None and one_delay_may_suffice(self.start, self.data, along[2].linearisation)
+        before = self.start.test_loss
+        least = min((c.test_loss for c in self.screened), default=before)
+        return removed_share(before, least, test_noise_floor(self.data)) >= POLICY.explained
 
 
 def along_measured_motion(

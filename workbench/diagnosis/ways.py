@@ -19,7 +19,6 @@ from .checks.units import refuse_unit
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
-from .moves.joint_solution import one_effect_may_suffice
 from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
@@ -163,7 +162,7 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> tuple[Sequence[Way],
     if fewest <= 1 or (expensive and not kept):
         return [ways[k] for k in kept] or ways, []
     # a delay, which is no torque along the motion, may suffice alone
-    likely = any(one_effect_may_suffice(way.asked.problem) for way in ways)
+    likely = any(way.asked.problem.one_effect_may_suffice for way in ways)
     alone = [way.searched(most=1) for way in ways] if likely else []
     if any(one.consistent_after for one in alone):
         return ways, alone

@@ -15,19 +15,17 @@ from ..acceptance import at_noise_floor, lowers_error
 from ..adequacy.command_path import ON_PATH, certain_on_path
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis
-from ..loss import explained, rescored, test_noise_floor
+from ..loss import explained, rescored
 from ..may_be_named import axes_of_another_shape
 from ..node import Growth, Node, is_consistent, with_last_step
 from ..policy import POLICY
 from ..problem import Problem, evaluated
-from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
 from ..screening.selection import selection_of
 from ..screening.torque_regression import Chosen, Regression
 from ..search_result import AcceptedStep, steps_through
 from .apart import certain_apart
 from .joint_fit import Certain, beside_strangers, certain_of, certain_only
-from .one_delay import one_delay_may_suffice
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -41,20 +39,12 @@ def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
         yield from () if node is None else (node,)
         return
     whole = len(node.steps) + len(node.near) > problem.limit or (
-        _corrections_suffice(node) and not one_effect_may_suffice(problem)
+        _corrections_suffice(node) and not problem.one_effect_may_suffice
     )
     several = not (whole or node.by_links) and node.has_several_certain
     share = explained(problem.data, problem.start, node.current, node.data)
     enough = whole or node.by_links > 0.0 or (several and share > POLICY.certain_share)
     yield replace(node, enough=enough, growth=Growth() if several else None)
-
-
-def one_effect_may_suffice(problem: Problem) -> bool:
-    """Return whether a single effect explains the recordings: as screened, or, if that is dear, a delay."""
-    if problem.is_expensive:
-        return one_delay_may_suffice(problem)
-    least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
-    return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
 
 
 def _corrections_suffice(node: Node) -> bool:

@@ -14,7 +14,7 @@ from ..problem import Problem
 from ..screening.compliance import other_causes
 from . import restarts
 from .grid_refinement import with_refined_gap
-from .joint_solution import of_all_axes, one_effect_may_suffice
+from .joint_solution import of_all_axes
 from .merge import merged
 from .replace import replaced
 from .simplify import simplified, without_needless
@@ -56,7 +56,7 @@ def _first(node: Node, best: Node, problem: Problem) -> bool:
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
     """Return whether no loop is known, there are many axes, or no single effect explains the recordings."""
     first = not problem.data.replay.simulates or problem.is_expensive
-    return not node.move and problem.limit > 1 and (first or not one_effect_may_suffice(problem))
+    return not node.move and problem.limit > 1 and (first or not problem.one_effect_may_suffice)
 
 
 def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:

@@ -1,4 +1,4 @@
-"""Whether one delay of the whole machine explains the recordings: fitted at once, where screening is dear."""
+"""Whether one delay of the whole machine explains the recordings: fitted where screening is costly."""
 
 from __future__ import annotations
 
@@ -7,23 +7,25 @@ import numpy as np
 from workbench.effects import effect_named, kinds, places
 from workbench.models import AppliedEffect, Placement
 
+from ..data import Data
 from ..fitting.fit import fit
-from ..fitting.refinement import applied_effect
-from ..hypothesis import Hypothesis
+from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..loss import explained
 from ..policy import POLICY
-from ..problem import Problem
+from .sensitivity import Linearisation
 
 
-def one_delay_may_suffice(problem: Problem) -> bool:
+def one_delay_may_suffice(start: Fit, data: Data, along: Linearisation) -> bool:
     """Return whether a delay of commands or of sensors alone explains what a search has to explain.
 
     On many axes it looks like damping and a rotor on each of them, in proportion to the gains of its loop.
+
+    Args:
+        start: the unchanged model.
+        data: its recordings.
+        along: about their measured motions, which tell where to start.
     """
-    start, along = problem.start, problem.inverse_dynamics
-    if along is None:
-        return False
-    model, motions = start.hypothesis.model, along[2].linearisation.motions
+    model, motions = start.hypothesis.model, along.motions
     tried = []
     for key in places(model):
         effect = effect_named(key.effect)
@@ -33,7 +35,5 @@ def one_delay_may_suffice(problem: Problem) -> bool:
         if starts:
             values = effect.parameters.to_values(np.zeros(0), starts[len(starts) // 2])
             tried.append(Hypothesis(model, (applied_effect(model, AppliedEffect(key), values),)))
-    fits = fit(tried, problem.data)
-    return any(
-        f is not None and explained(problem.data, start, f, problem.data) >= POLICY.explained for f in fits
-    )
+    fits = fit(tried, data)
+    return any(f is not None and explained(data, start, f, data) >= POLICY.explained for f in fits)
