@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from workbench.effects import Parameter, Parameters, load_model
+from workbench.effects import Parameter, Parameters, effect_named, load_model
 from workbench.effects.setting import FULL_BRAKING
 from workbench.effects.wave import wave
 
@@ -57,3 +57,9 @@ def test_a_shape_says_what_is_settled_of_the_model() -> None:
     line = Parameters(Parameter("stall", "N*m", linear=False), settles=(FULL_BRAKING,))
     assert line.stated(LEG, {"stall": 1.0}) == LEG
     assert line.stated(LEG, {"stall": 1.0, "full_braking": 1.0}).actuators.full_braking is True
+
+
+def test_a_phase_is_an_angle_on_a_slide_too() -> None:
+    ripple = {p.name: p.unit_on("m") for p in effect_named("cogging").parameters}
+    assert ripple == {"torque": "N", "order": "rad/m", "phase": "rad"}
+    assert {p.name: p.unit_on("m") for p in effect_named("parallel_spring").parameters}["rest"] == "m"

@@ -177,7 +177,7 @@ class Cogging(Effect):
             linear=False,
             told=_told,
         ),
-        Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.6),
+        Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.6, phase=True),
         chart=wave("torque", "phase", INF, _ORDER),
     )
     stage = SignalStage.MOTOR

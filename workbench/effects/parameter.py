@@ -65,6 +65,7 @@ class Parameter(Unknown):
             that runs with noise are on average not the run without, which is what a fit simulates.
         told: whether motions go far enough to tell it, with these values, from any other smooth curve.
         optional: whether it may be left out, and is neutral then.
+        phase: whether it is the phase of a period, which is an angle on a linear axis too.
     """
 
     unit: str
@@ -75,10 +76,13 @@ class Parameter(Unknown):
     blur: Callable[[Values, float, float], float] | None = None
     told: Callable[[Sequence[Motion], Place, Values], bool] | None = None
     optional: bool = False
+    phase: bool = False
 
     def unit_on(self, axis_unit: str) -> str:
         """Return the unit on a rotary (``rad``) or linear (``m``) axis."""
-        return self.unit if axis_unit == "rad" else _LINEAR_UNITS.get(self.unit, self.unit)
+        if axis_unit == "rad" or self.phase:
+            return self.unit
+        return _LINEAR_UNITS.get(self.unit, self.unit)
 
 
 _LINEAR_UNITS = {
