@@ -6,7 +6,7 @@ from .compare import cannot_run, compare, noise_rules, told
 from .evaluate import evaluate
 from .following import followed
 from .long import compare_logs
-from .matching import matched, matched_ways
+from .matching import made_by_mujoco, matched, matched_ways
 from .measured_motion import nearest_in_time
 from .noise import NoiseModel
 from .replay import Replay
@@ -37,6 +37,7 @@ __all__ = [
     "followed",
     "is_free",
     "is_weighable",
+    "made_by_mujoco",
     "matched",
     "matched_ways",
     "nearest_in_time",

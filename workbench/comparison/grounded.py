@@ -12,19 +12,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.core import InputError, Recording, SimulationError
-from workbench.effects import Effect, Motion, OnGround, Plant, compile_plant, effect_named, kinds
-from workbench.models import Model, load_tree
+from workbench.core import Recording, SimulationError
+from workbench.effects import Effect, Motion, OnGround, Plant, effect_named, kinds
+from workbench.models import Model
 from workbench.recordings import white_noise
 from workbench.simulation import (
     GROUND_TORQUE,
-    LONGEST_STEP,
     Disturbance,
     Tangents,
     motion_of,
     on_all_cores,
     scored_torque,
     smooth_track,
+    steps_of,
 )
 
 from .feet import Feet
@@ -48,13 +48,13 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
             if on_ground(r):
                 check_ground(model, r)
         self.noise = noise
-        self._step, self._integrator = _step_of(recordings[0], model)
+        self._steps = steps_of(recordings[0], model)
         plant = self._on_ground(model)
         told = [white_noise(f, r.valid) for r in recordings if FORCE in r.extra for f in r.extra[FORCE].T]
         known = [x for x in told if np.isfinite(x)]
         self._force_noise = float(np.median(known)) if known else 0.0
         self._standing = tuple(
-            stand(r, plant, noise.levels, self._step[0], self._force_noise) for r in recordings
+            stand(r, plant, noise.levels, self._steps.per_row, self._force_noise) for r in recordings
         )
         self.recordings = tuple(s.recording for s in self._standing)
 
@@ -155,10 +155,7 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
         return s.windows.starts, np.stack(_compared(s, position, force), axis=1)
 
     def _on_ground(self, model: Model) -> Plant:
-        plant = compile_plant(model, self._step[1], grounded=True)
-        if self._integrator is not None:
-            plant.mujoco.opt.integrator = self._integrator
-        return plant
+        return self._steps.compiled(model, grounded=True)
 
     def _compiled(self, model: Model) -> Plant | None:
         """None where MuJoCo refuses the model."""
@@ -206,22 +203,6 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
             torque=tap_torque(recording, s.to_actuator),
         )
         return replace(s, recording=recording, windows=windows)
-
-
-def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int | None]:
-    """Substeps in a row, and their length [s]; and the integrator, None for our own."""
-    if recording.timing.stepped:
-        own = load_tree(model.serial).option
-        rows = recording.period / own.timestep
-        if rows < 0.5 or abs(rows - round(rows)) > 1e-6:
-            raise InputError(
-                f"its rows are {recording.period:g} s apart, but the model's file has steps of "
-                f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
-                remedy="remove it if another model made the recording",
-            )  # fmt: skip
-        return (round(rows), float(own.timestep)), int(own.integrator)
-    stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
-    return (stride, recording.period / stride), None
 
 
 def _respond(loop: tuple[Standing, Tangents], disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ the loop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,11 +13,13 @@ from workbench.core import MARGIN_TOTAL, InputError, Recording
 from workbench.models import Model
 from workbench.simulation import check_axes
 
+from .by_mujoco import by_mujoco
+from .closed_loop import ClosedLoop
 from .evaluate import evaluate
 from .floating import with_base
 from .replay import Replay
 from .replay_of import replay_of
-from .score import score_runs
+from .score import Scale, normalised, pooled, score_runs, scored_signals, squares
 from .standing import check_ground, on_ground
 from .touching import refuse_overlaps
 from .unlogged import LoopAssumption, noted, readings
@@ -57,7 +59,58 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
     if model.posture_dependent or model.carried is not None:
         return (out,)
     refuse_overlaps(model, out)
-    return _likely(model, readings(model, out))
+    ways = _likely(model, readings(model, out))
+    made = min(made_by_mujoco(model, ways[0], out), key=lambda m: m.error, default=None)
+    if made is None:
+        return ways
+    replay = replay_of(model, ways[0])
+    better = made.error < _error(replay, model) and not _explains(model, replay)
+    return (made.recordings,) if better and _explains(model, replay_of(model, made.recordings)) else ways
+
+
+@dataclass(frozen=True)
+class MadeByMujoco:
+    """Recordings taken as made by MuJoCo from the model's file, and what a run of the model says of that.
+
+    `error`: of the run without noise; `change`: mean square, over that of the signals, of the difference to a
+    run on recordings of a machine.
+    """
+
+    recordings: tuple[Recording, ...]
+    error: float
+    change: float
+
+
+def made_by_mujoco(
+    model: Model, usual: Sequence[Recording], given: Sequence[Recording]
+) -> list[MadeByMujoco]:
+    """Return recordings taken as made by MuJoCo, by each way that may be right.
+
+    Args:
+        model: that runs.
+        usual: the recordings with assumptions about their loop, as those of a machine.
+        given: the recordings without any.
+
+    Returns:
+        none where no loop is run.
+    """
+    replay, out = replay_of(model, usual), []
+    if not isinstance(replay, ClosedLoop):
+        return out
+    measured = replay.recordings
+    counts, names = [int(np.sum(r.valid)) for r in measured], [scored_signals(r) for r in measured]
+    (run,) = replay.run([model])
+    for way in by_mujoco(model, given):
+        taken = _likely(model, readings(model, way))[0]
+        (other,) = replay_of(model, taken).run([model])
+        apart = pooled([squares(*each) for each in zip(run, other, names, strict=True)], counts)
+        change = normalised(apart, Scale.of(measured)) ** 2
+        out.append(MadeByMujoco(taken, score_runs(measured, other)[0], change))
+    return [made for made in out if np.isfinite(made.error)]
+
+
+def _explains(model: Model, replay: Replay) -> bool:
+    return evaluate(model, replay.with_noise(model, 0)).consistent
 
 
 def _likely(model: Model, ways: Sequence[LoopAssumption]) -> tuple[tuple[Recording, ...], ...]:

@@ -81,7 +81,8 @@ class Timing:
     `feedforward_held`: the feedforward is sampled with the controller and held (else it acts per row).
     `reference_held`: at ticks of the loop between rows the reference is that of the row before (else it goes
     on smoothly); None: as the recordings show it.
-    `stepped`: a simulation made it, with the steps and the integrator of the model's file (on the ground).
+    `stepped`: MuJoCo ran the model's file: with its steps, its integrator and its dry friction.
+    `soft_friction`: MuJoCo ran it in fine steps: dry friction is as soft as the file makes it.
     `initial_at_rest`: the run starts at rest at the first reference (else the state is fitted).
     `delay`: where the loop's delay was applied: ``"motor"`` (the model's T_d applies) or ``"loop"``
     (`torque_command` already carries it).
@@ -92,6 +93,7 @@ class Timing:
     delay: Literal["motor", "loop"] = "motor"
     reference_held: bool | None = None
     stepped: bool = False
+    soft_friction: bool = False
 
 
 @dataclass(frozen=True, repr=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from .checks.units import refuse_unit
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
+from .made_by_mujoco import searched_by_mujoco
 from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
@@ -106,7 +108,9 @@ def best_way(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    ways = [Way.of(model, *way, seed, limit, progress) for way in _matched(model, training, held_out)]
+
+    asked = partial(Way.of, model, seed=seed, limit=limit, progress=progress)
+    ways = [asked(*way) for way in _matched(model, training, held_out)]
     _refuse_wrong_sign(ways[0].asked)
     ways, by_one_effect = _explaining(ways, progress)
     tried = by_one_effect or _searched(ways, progress)
@@ -117,7 +121,11 @@ def best_way(
         key=lambda k: (tried[k].final.hypothesis.size, abs(np.log(_error(tried[k]) / _noise(tried[k])))),
     )
     others = [tried[k].final for k in ties if k != which]
-    return _covering(tried[which], others), ways[which]
+    found = _covering(tried[which], others)
+    way = ways[which]
+    taken, given = (*way.training, *way.held_out), (*training, *held_out)
+    again = searched_by_mujoco(found, taken, given, asked)
+    return again or (found, way)
 
 
 def _searched(ways: Sequence[Way], progress: Progress) -> list[SearchResult]:

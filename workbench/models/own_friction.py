@@ -49,20 +49,25 @@ def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...
 
 
 def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of this friction, by the tendon it acts on."""
+    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of friction there, by the tendon it acts on.
+
+    Also of joints that have none in the file: so soft would be what is added to them.
+    """
     return {
         axis_tendon(axis, location): (np.array(element.solref_friction), np.array(element.solimp_friction))
-        for element, axis, location, _ in _seats(load_tree(model.serial), model)
+        for element, axis, location, _ in _seats(load_tree(model.serial), model, none=True)
     }
 
 
 def _seats(
-    spec: mujoco.MjSpec, model: Model
+    spec: mujoco.MjSpec, model: Model, *, none: bool = False
 ) -> Iterator[tuple[mujoco.MjsJoint | mujoco.MjsTendon, int, Literal["actuator", "joint"], float]]:
-    """Each part with dry friction, its place (axis and location), and the axis's speed over its own."""
+    """Each part with dry friction, also with `none`: place (axis, location), and the axis's speed over its
+    own.
+    """
     alone, turned, ratio = drives_alone(model)
     drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
-    there = {joint.name: joint for joint in spec.joints if joint.frictionloss}
+    there = {joint.name: joint for joint in spec.joints if none or joint.frictionloss}
     for k, name in enumerate(model.joints):
         if name in there and k in drive:
             yield there[name], drive[k], "actuator", abs(float(ratio[drive[k]]))
@@ -70,7 +75,7 @@ def _seats(
             yield there[name], k, "joint", 1.0
     for seat in drive_tendons(model):
         tendon = spec.tendons[seat.tendon]
-        if tendon.frictionloss:
+        if none or tendon.frictionloss:
             yield tendon, seat.index, "actuator", 1.0 / abs(seat.ratio)
 
 

@@ -93,6 +93,7 @@ class TimingTable(_Table):
     feedforward_held: bool = True
     reference_held: bool | None = None
     stepped: bool = False
+    soft_friction: bool = False
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
 

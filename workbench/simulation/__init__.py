@@ -3,7 +3,7 @@
 from .control import SensorNoise
 from .cores import on_all_cores, use_cores
 from .designs import as_recording, held_posture, holds, joint_limits, limits_of, predictor, whole_period
-from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
+from .experiment import GROUND_TORQUE, Experiment, check_axes, prepare, scored_torque
 from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
 from .known_rows import edge_rows
@@ -16,6 +16,7 @@ from .propagate import Disturbance, propagate
 from .run import Run, simulate
 from .sense import true_motion
 from .shooting import Tangents, Windows, shoot
+from .steps import LONGEST_STEP, own_steps, steps_of
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
@@ -23,8 +24,8 @@ __all__ = [
     "GROUND_TORQUE", "LONGEST_STEP", "TRUE_MOTION", "Disturbance", "Experiment", "Loop", "PosturePlant",
     "Run", "SensorNoise", "Tangents", "Track", "Windows", "as_recording", "check_axes", "check_held",
     "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns", "joint_limits",
-    "law_torque", "limits_of", "linearise", "mass_matrix", "motion_of", "on_all_cores", "predictor",
-    "prepare", "propagate", "rate_read", "refuse_joint_coordinates", "required_torque", "rigid_torque",
-    "run_posture", "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes", "smooth_track",
-    "true_motion", "use_cores", "whole_period", "with_loop_of",
+    "law_torque", "limits_of", "linearise", "mass_matrix", "motion_of", "on_all_cores", "own_steps",
+    "predictor", "prepare", "propagate", "rate_read", "refuse_joint_coordinates", "required_torque",
+    "rigid_torque", "run_posture", "runs_in_loop", "scored_torque", "shoot", "simulate", "slopes",
+    "smooth_track", "steps_of", "true_motion", "use_cores", "whole_period", "with_loop_of",
 ]  # fmt: skip

@@ -14,9 +14,8 @@ from workbench.recordings.resample import looks_held
 
 from .feedforward import feedforward_of_drives
 from .initial_state import initial_state
+from .steps import steps_of
 
-#: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
-LONGEST_STEP = 0.001
 _FIRST, _CLEARLY = 8, 3.0  # rows that show how torques scatter; deviations by which two are not the same
 #: Signal of what the ground's force on the feet is to the drives [N m or N], of recordings on the ground.
 GROUND_TORQUE = "ground_torque"
@@ -95,7 +94,7 @@ def prepare(recording: Recording, model: Model) -> Experiment:
     """Return a recording prepared for simulation of a model.
 
     Raises:
-        InputError: axes the model does not have, or a loop that cannot be replayed.
+        InputError: axes the model does not have, a loop that cannot be replayed, or steps that do not fit.
     """
     check_axes(recording, model)
     controller = recording.controller
@@ -107,8 +106,8 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         controller = model.controller
     rows, n = recording.position.shape
     period = controller.period_s or recording.period
-    stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
-    step = recording.period / stride
+    steps = steps_of(recording, model)
+    stride, step = steps.per_row, recording.period / steps.per_row
     j, identity = model.transmission, np.eye(n)
     to_actuator = recording.to_actuator(j)
     torque_to_actuator = identity if recording.coordinates == "actuator" else np.linalg.inv(j).T
