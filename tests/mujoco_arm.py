@@ -17,6 +17,7 @@ _FILE = """<mujoco model="arm"><compiler angle="radian"/><option timestep="{step
 </body></body></worldbody></mujoco>"""
 _AXES = ["lift", "elbow"]
 _KP, _KD = np.array([250.0, 100.0]), np.array([14.0, 5.0])
+_PERIOD = 0.002  # s, of rows and ticks
 _SIGNALS = ("position", "position_reference", "velocity", "torque_command", "torque_measured")
 
 
@@ -27,16 +28,14 @@ def arm_file(folder: Path, *, step: float = 0.002, damping: float = 0.8, frictio
     return file
 
 
-def mujoco_log(
-    plant: Path, name: str, *, seed: int, step: float | None = None, late: int = 0, period: float = 0.002
-) -> Path:
-    """A recording of 6 s, with noise, of the plant in MuJoCo's steps; one torque acts `late` ticks late."""
+def mujoco_log(plant: Path, name: str, *, seed: int, step: float | None = None, loop: bool = True) -> Path:
+    """A recording of 6 s, with noise, of the plant in MuJoCo's steps; without `loop`, its loop is unknown."""
     m = mujoco.MjModel.from_xml_path(str(plant))
     m.opt.timestep = step or m.opt.timestep
     d, rng = mujoco.MjData(m), np.random.default_rng(seed)
     f, p = rng.uniform(0.1, 1.1, (2, 5, 2)) * np.array([1.0, 6.0])[:, None, None]
     part = rng.uniform(0.3, 1.0, (5, 2))
-    each, torque, rows, sent = round(period / m.opt.timestep), np.zeros(2), [], [np.zeros(2)] * (late + 1)
+    each, torque, rows = round(_PERIOD / m.opt.timestep), np.zeros(2), []
 
     def reference(t: float) -> np.ndarray:
         wave = (part / part.sum(axis=0) * np.sin(2 * np.pi * f * t + p)).sum(axis=0)
@@ -48,10 +47,9 @@ def mujoco_log(
         if k % each == 0:
             t, position = d.time, d.qpos + rng.normal(0.0, 2e-5, 2)
             speed = d.qvel + rng.normal(0.0, 2e-3, 2)
-            sent.append(_KP * (reference(t) - position) - _KD * speed)
-            torque = sent[-1 - late]
+            torque = _KP * (reference(t) - position) - _KD * speed
             tap = torque + rng.normal(0.0, 0.02, 2)
-            rows.append(np.concatenate([[t], position, reference(t), speed, sent[-1], tap]))
+            rows.append(np.concatenate([[t], position, reference(t), speed, torque, tap]))
         d.qfrc_applied[:] = torque
         mujoco.mj_step(m, d)
     columns = {signal: [f"{signal}_{axis}" for axis in _AXES] for signal in _SIGNALS}
@@ -60,8 +58,8 @@ def mujoco_log(
     lines = [f'format = 1\nname = "{name}"\ntable = "{name}.csv"\nrig = "simulation"\ncoordinates = "joint"']
     lines += [f"axes = {json.dumps(_AXES)}", '[columns]\ntime = "t"']
     lines += [f"{signal} = {json.dumps(names)}" for signal, names in columns.items()]
-    lines += ['[controller]\nkind = "pd"\ncoordinates = "joint"', f"period_s = {period}"]
-    lines += [f"kp = {_KP.tolist()}", f"kd = {_KD.tolist()}"]
+    stated = f'kind = "pd"\ncoordinates = "joint"\nkp = {_KP.tolist()}\nkd = {_KD.tolist()}'
+    lines += ["[controller]", f"{stated}\nperiod_s = {_PERIOD}" if loop else 'kind = "unknown"']
     file = plant.with_name(f"{name}.toml")
     file.write_text("\n".join(lines) + "\n")
     return file

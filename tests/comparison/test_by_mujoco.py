@@ -29,6 +29,14 @@ def test_fine_steps_leave_the_soft_friction(tmp_path: Path) -> None:
     assert sum("soft_friction = true in [timing]" in note for note in result.notes) == 1
 
 
+def test_along_the_motion_its_friction_turns_early_too(tmp_path: Path) -> None:
+    file = arm_file(tmp_path)
+    log = mujoco_log(file, "own", seed=7, loop=False)
+    result = compare(file, log)
+    assert result.consistent
+    assert sum("soft_friction = true in [timing]" in note for note in result.notes) == 1
+
+
 def test_a_wrong_number_stays_one(tmp_path: Path) -> None:
     log = mujoco_log(arm_file(tmp_path, damping=1.6), "damped", seed=5)
     result = compare(arm_file(tmp_path), log)

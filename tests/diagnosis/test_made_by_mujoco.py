@@ -20,6 +20,15 @@ def test_a_wrong_damping_is_the_only_one(tmp_path: Path) -> None:
     assert any("stepped = true" in note for note in found.notes)
 
 
+def test_friction_is_named_without_a_loop(tmp_path: Path) -> None:
+    plant = arm_file(tmp_path, friction=0.7)
+    logs = [mujoco_log(plant, f"log{k}", seed=20 + k, loop=False) for k in range(2)]
+    found = diagnose(arm_file(tmp_path), logs)
+    assert [str(f.key) for f in found.findings] == ["coulomb_friction@lift"]
+    friction = found.findings[0].parameters["torque"]
+    assert abs(friction.value - 0.3) < 0.01, "half a step of MuJoCo's is no part of the interval"
+
+
 def test_nothing_is_missing_from_the_file_itself(tmp_path: Path) -> None:
     file = arm_file(tmp_path)
     found = diagnose(file, [mujoco_log(file, f"log{k}", seed=10 + k) for k in range(2)])

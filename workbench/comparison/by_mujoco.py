@@ -32,7 +32,8 @@ def by_mujoco(model: Model, recordings: Sequence[Recording]) -> list[tuple[Recor
         )
         out.append(tuple(_noted(r, line, soft_friction=True) for r in recordings))
     step = float(compiled.opt.timestep)
-    if all(_fits(r, model, step) for r in recordings):
+    # along a measured motion steps make no difference
+    if all(r.controller.kind != "unknown" and _fits(r, model, step) for r in recordings):
         line = (
             f"MuJoCo seems to have made the recordings, in steps of {1e3 * step:g} ms as the model's file "
             f"has, so it is run in these. {_STATE} stepped = true in [timing]"

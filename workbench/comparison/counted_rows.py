@@ -11,25 +11,33 @@ import numpy as np
 import scipy
 
 from workbench.core import Recording
-from workbench.simulation import edge_rows
+from workbench.simulation import Track, edge_rows
 
 from .measured_motion import FilteredRecording
 
 _RINGING, _RINGING_S = 10, 0.5  # of a gap, at most
 _SPREAD = 0.25  # of a period of the filter's corner frequency
 _STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
+_TURNS = 2.0  # times the lead before a reversal, that soft friction turns in
 
 
 def moving(
-    readings: Sequence[FilteredRecording], wobbles: Sequence[np.ndarray], transmission: np.ndarray
+    readings: Sequence[FilteredRecording],
+    wobbles: Sequence[np.ndarray],
+    transmission: np.ndarray,
+    leads: np.ndarray,
 ) -> list[np.ndarray]:
     """Return which rows and axes are counted, (N, n) each: valid, away from the ends, and in motion.
 
-    `wobbles`: the noise of each track's velocity, (N, n), actuator coordinates.
+    Args:
+        readings: of the recordings.
+        wobbles: the noise of each track's velocity, (N, n), actuator coordinates.
+        transmission: of the model.
+        leads: how long before a reversal dry friction of drives and pins turns [s], (2 n,).
     """
     # drives and pins: friction of either may hold
     rows = np.vstack([np.eye(len(transmission)), np.linalg.inv(transmission)])
-    speeds = [np.abs(r.track.velocity @ rows.T) for r in readings]
+    speeds = [_sure_speed(r.track, rows, leads) for r in readings]
     overall = np.sqrt(np.mean(np.concatenate(speeds) ** 2, axis=0))
     out = []
     for reading, speed, wobble in zip(readings, speeds, wobbles, strict=True):
@@ -50,6 +58,13 @@ def moving(
         )
         out.append(counts & near[:, None])
     return out
+
+
+def _sure_speed(track: Track, rows: np.ndarray, leads: np.ndarray) -> np.ndarray:
+    """The size of speeds `rows` (m, n) of the drives, (N, m), and none while their dry friction turns."""
+    speed = track.velocity @ rows.T
+    later = speed + _TURNS * leads * (track.acceleration @ rows.T)
+    return np.where(speed * later > 0.0, np.minimum(np.abs(speed), np.abs(later)), 0.0)
 
 
 def _made_of(to_actuator: np.ndarray, rows: np.ndarray) -> np.ndarray:

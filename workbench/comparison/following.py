@@ -9,9 +9,9 @@ from typing import ClassVar, Self
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant, giving_way
-from workbench.models import Model
-from workbench.simulation import Disturbance, SensorNoise
+from workbench.effects import Motion, Plant, compile_plant, giving_way, tendon_leads
+from workbench.models import Model, axis_tendon
+from workbench.simulation import Disturbance, SensorNoise, as_made
 
 from .band import corner_hz
 from .counted_rows import moving
@@ -57,14 +57,15 @@ class InverseDynamicsReplay(Replay[Follower]):
         self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None
     ) -> None:
         self.recordings, self.noise, self._transmission = recordings, noise, model.transmission
-        plant = compile_plant(model)
+        plant = self._compiled(model)
         self._corner = corner or min(corner_hz(r, plant, noise.levels) for r in recordings)
         first = [self._reading(r) for r in recordings]
         smooth = [self._reading(_quiet(r)) for r in first]
         again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
         wobbles = [a.track.velocity - s.track.velocity for a, s in zip(again, smooth, strict=True)]
         counts = [
-            c & _driven(r) for c, r in zip(moving(first, wobbles, self._transmission), first, strict=True)
+            c & _driven(r)
+            for c, r in zip(moving(first, wobbles, self._transmission, _leads(plant)), first, strict=True)
         ]
         self._read, self._smooth = (
             tuple(replace(r, counts=c) for r, c in zip(each, counts, strict=True)) for each in (first, smooth)
@@ -83,7 +84,7 @@ class InverseDynamicsReplay(Replay[Follower]):
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """Return the recordings with the torque that each model needs instead of the measured torque."""
-        plants = [_compiled(m) for m in models]
+        plants = [self._tried(m) for m in models]
         plants = [p if p is not None and self._foretold(p) else None for p in plants]
         return [tuple(_run(reading, p) for reading in self._read[:first]) for p in plants]
 
@@ -94,7 +95,7 @@ class InverseDynamicsReplay(Replay[Follower]):
         Raises:
             SimulationError: a model that no body can be.
         """
-        plant = compile_plant(model)
+        plant = self._compiled(model)
         clean = tuple(reading.run(plant) for reading in self._read)
         still = [s.residual(plant) for s in self._smooth]
         noisy = []
@@ -121,6 +122,16 @@ class InverseDynamicsReplay(Replay[Follower]):
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return the responses to small disturbances, which pass only through the filter."""
         return [loop.respond(d) for loop, d in zip(loops, disturbances, strict=True)]
+
+    def _compiled(self, model: Model) -> Plant:
+        return compile_plant(as_made(model, self.recordings[0]))
+
+    def _tried(self, model: Model) -> Plant | None:
+        """None where MuJoCo refuses the model."""
+        try:
+            return self._compiled(model)
+        except SimulationError:
+            return None
 
     def _foretold(self, plant: Plant) -> bool:
         """Whether what gives way in a model says where its links are, rather than the torque it explains."""
@@ -149,17 +160,15 @@ class InverseDynamicsReplay(Replay[Follower]):
         return self._drawn[seed, draws]
 
 
+def _leads(plant: Plant) -> np.ndarray:
+    """How long before a reversal dry friction of drives and pins turns [s], (2 n,)."""
+    leads, places = tendon_leads(plant.model, plant.mujoco), ("actuator", "joint")
+    return np.array([leads.get(axis_tendon(i, of), 0.0) for of in places for i in range(plant.model.size)])
+
+
 def _driven(reading: FilteredRecording) -> np.ndarray:
     """Axes (n,) that have a drive: a torque that is nil throughout has no noise to hold a rest against."""
     return np.any(reading.recording.signals[reading.name] != 0.0, axis=0)
-
-
-def _compiled(model: Model) -> Plant | None:
-    """None where MuJoCo refuses the model."""
-    try:
-        return compile_plant(model)
-    except SimulationError:
-        return None
 
 
 def _run(reading: FilteredRecording, plant: Plant | None) -> Recording:

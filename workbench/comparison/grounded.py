@@ -20,6 +20,7 @@ from workbench.simulation import (
     GROUND_TORQUE,
     Disturbance,
     Tangents,
+    as_made,
     motion_of,
     on_all_cores,
     scored_torque,
@@ -48,7 +49,7 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
             if on_ground(r):
                 check_ground(model, r)
         self.noise = noise
-        self._steps = steps_of(recordings[0], model)
+        self._first, self._steps = recordings[0], steps_of(recordings[0], model)
         plant = self._on_ground(model)
         told = [white_noise(f, r.valid) for r in recordings if FORCE in r.extra for f in r.extra[FORCE].T]
         known = [x for x in told if np.isfinite(x)]
@@ -155,7 +156,7 @@ class ContactWindows(Replay[tuple[Standing, Tangents]]):
         return s.windows.starts, np.stack(_compared(s, position, force), axis=1)
 
     def _on_ground(self, model: Model) -> Plant:
-        return self._steps.compiled(model, grounded=True)
+        return self._steps.compiled(as_made(model, self._first), grounded=True)
 
     def _compiled(self, model: Model) -> Plant | None:
         """None where MuJoCo refuses the model."""

@@ -17,6 +17,7 @@ from .by_mujoco import by_mujoco
 from .closed_loop import ClosedLoop
 from .evaluate import evaluate
 from .floating import with_base
+from .following import InverseDynamicsReplay
 from .replay import Replay
 from .replay_of import replay_of
 from .score import Scale, normalised, pooled, score_runs, scored_signals, squares
@@ -92,10 +93,10 @@ def made_by_mujoco(
         given: the recordings without any.
 
     Returns:
-        none where no loop is run.
+        none where models run neither in a loop nor along the measured motion.
     """
     replay, out = replay_of(model, usual), []
-    if not isinstance(replay, ClosedLoop):
+    if not isinstance(replay, ClosedLoop | InverseDynamicsReplay):
         return out
     measured = replay.recordings
     counts, names = [int(np.sum(r.valid)) for r in measured], [scored_signals(r) for r in measured]

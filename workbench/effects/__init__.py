@@ -11,7 +11,7 @@ from .compliance import Compliance
 from .contact import OnGround
 from .corrected import OfBody, own_dry_friction
 from .flexible import link_inertia, rotor_inertia
-from .friction_constraint import rigid_in_steps
+from .friction_constraint import rigid_in_steps, tendon_leads
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .into_file import Change, InFile, inertials_into_file, into_file, open_text
@@ -99,6 +99,7 @@ __all__ = [
     "rotor_inertia",
     "settle_contacts",
     "smooth_sign",
+    "tendon_leads",
     "tendon_row",
     "torque_bounds",
     "with_settled",

@@ -48,7 +48,7 @@ class AsymmetricFriction(Effect):
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Four columns, each nonzero in one direction only."""
         _, speed, _ = motion.along(place)
-        sign = smooth_sign(speed)
+        sign = smooth_sign(motion.sliding(place))
         up, down = 0.5 * (1.0 + sign), 0.5 * (1.0 - sign)
         rows = (-speed * up, -speed * down, -np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
         return Response(np.stack([single(place, row, motion) for row in rows]))

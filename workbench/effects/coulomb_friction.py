@@ -40,8 +40,7 @@ class CoulombFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the sign of the speed."""
-        _, speed, _ = motion.along(place)
-        return Response(single(place, -smooth_sign(speed), motion)[None])
+        return Response(single(place, -smooth_sign(motion.sliding(place)), motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Friction loss of the tendon."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from workbench.models import Model, own_constraints
+from workbench.models import Model, friction_lead, own_constraints
 
 from .chain import FrictionTerm, TorqueChain
 
@@ -48,6 +48,19 @@ def set_friction_constraints(m: mujoco.MjModel, chain: TorqueChain, model: Model
         slow = model.sliding_speed * (0.1 if m.jnt_type[m.dof_jntid[dof]] == _SLIDE else 1.0)
         rate = float(m.dof_frictionloss[dof] / slow * m.dof_invweight0[dof])
         m.dof_solref[dof], m.dof_solimp[dof] = _rigid(rate, h)
+
+
+def tendon_leads(model: Model, m: mujoco.MjModel) -> dict[str, float]:
+    """Return how long before a reversal dry friction turns [s], by the tendon it acts on.
+
+    The constraint pulls the speed w to ``a = -b w``: it gives way where w + a / b changes sign.
+
+    Args:
+        model: none has a lead where its friction is rigid.
+        m: compiled from it, for the steps.
+    """
+    stated = own_constraints(model) if model.friction_as_in_mjcf else {}
+    return {name: friction_lead(*constraint, m.opt.timestep) for name, constraint in stated.items()}
 
 
 def rigid_in_steps(timestep: float) -> tuple[tuple[float, float], tuple[float, ...]]:

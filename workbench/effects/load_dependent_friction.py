@@ -38,8 +38,7 @@ class LoadDependentFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the sign of the speed, by itself and times the size of the motor torque."""
-        _, speed, _ = motion.along(place)
-        sign = smooth_sign(speed)
+        sign = smooth_sign(motion.sliding(place))
         load = np.abs(motion.gain * motion.torque)[:, place.index]
         return Response(np.stack([single(place, row, motion) for row in (-sign, -load * sign)]))
 

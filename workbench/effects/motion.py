@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -123,6 +123,7 @@ class Motion:
         gravity: (3,) [m/s^2].
         axis_units: ``rad`` or ``m`` per axis.
         contact: what feet do on the ground, where that was measured.
+        leads: of the tendons of places, how long before a reversal dry friction turns [s]; none: it does not.
     """
 
     step: float
@@ -144,6 +145,7 @@ class Motion:
     gravity: np.ndarray
     axis_units: tuple[str, ...]
     contact: Contact | None = None
+    leads: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def command(self) -> np.ndarray:
@@ -154,6 +156,11 @@ class Motion:
         """Return position, speed and acceleration (N,) of the coordinate of a placement."""
         row = place.row @ np.linalg.inv(self.transmission)
         return self.position @ row, self.velocity @ row, self.acceleration @ row
+
+    def sliding(self, place: Placement) -> np.ndarray:
+        """Return the speed (N,) of the coordinate of a placement that dry friction acts against."""
+        _, speed, acceleration = self.along(place)
+        return speed + self.leads.get(place.tendon, 0.0) * acceleration
 
 
 def torque_bounds(

@@ -72,7 +72,7 @@ class StribeckFriction(Effect):
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: the plateau and the excess at low speed."""
         _, speed, _ = motion.along(place)
-        plateau = -smooth_sign(speed)
+        plateau = -smooth_sign(motion.sliding(place))
         excess = plateau * np.exp(-((speed / shape["speed"]) ** 2))
         return Response(np.stack([single(place, row, motion) for row in (plateau, excess)]))
 

@@ -8,7 +8,14 @@ from .floating import BASE_AXES
 from .mjcf import check_mjcf
 from .mjcf_text import MjcfText, differ
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
-from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
+from .own_friction import (
+    NO_FRICTION,
+    friction_lead,
+    friction_leads,
+    own_constraints,
+    own_friction,
+    take_friction,
+)
 from .paths import find_model, is_named_model, packaged_robot
 from .read import read_model
 from .schema import MOST
@@ -37,8 +44,8 @@ __all__ = [
     "BASE_AXES", "MOST", "NO_FRICTION", "VARIANTS", "Actuators", "AppliedEffect", "BodyNumbers", "Crank",
     "Ground", "Inertial", "JointNumber", "Linkage", "MjcfText", "Model", "Placement", "UrdfText",
     "alike_axes", "axis_tendon", "base_contacts", "base_spec", "check_mjcf", "differ", "drive_tendons",
-    "find_model", "free_joints", "friction_leads", "inertial_frame", "is_named_model", "is_urdf",
-    "joint_kinds", "limits_left_out", "linkage_table", "load_mjcf", "load_tree", "load_with_loops",
+    "find_model", "free_joints", "friction_lead", "friction_leads", "inertial_frame", "is_named_model",
+    "is_urdf", "joint_kinds", "limits_left_out", "linkage_table", "load_mjcf", "load_tree", "load_with_loops",
     "machine_bodies", "model_text", "own_constraints", "own_friction", "packaged_robot", "read_model",
     "rotors", "springs", "structural_effect", "take_friction", "turned_joint", "warned", "write_model",
 ]  # fmt: skip

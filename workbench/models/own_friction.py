@@ -90,15 +90,17 @@ def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
         return out
     for k in np.flatnonzero(m.dof_frictionloss):
         name = f"joint {m.joint(m.dof_jntid[k]).name}"
-        out[name] = _lead(m.dof_solref[k], m.dof_solimp[k], m.opt.timestep)
+        out[name] = friction_lead(m.dof_solref[k], m.dof_solimp[k], m.opt.timestep)
     for k in np.flatnonzero(m.tendon_frictionloss):
         name = f"tendon {m.tendon(k).name}"
-        out[name] = _lead(m.tendon_solref_fri[k], m.tendon_solimp_fri[k], m.opt.timestep)
+        out[name] = friction_lead(m.tendon_solref_fri[k], m.tendon_solimp_fri[k], m.opt.timestep)
     return out
 
 
-def _lead(reference: np.ndarray, impedance: np.ndarray, timestep: float) -> float:
-    """One over the constraint's damping [s], as MuJoCo derives it from ``solreffriction`` ("Computation")."""
+def friction_lead(reference: np.ndarray, impedance: np.ndarray, timestep: float) -> float:
+    """Return one over the constraint's damping [s], as MuJoCo derives it from ``solreffriction``
+    ("Computation").
+    """
     if reference[0] > 0.0:
         return 0.5 * float(impedance[1]) * max(float(reference[0]), 2.0 * timestep)
     return float(impedance[1] / max(-reference[1], 1e-12))

@@ -7,7 +7,7 @@ import copy
 import mujoco
 import numpy as np
 
-from workbench.effects import Plant, TorqueChain, heat, tendon_row, wound
+from workbench.effects import Plant, TorqueChain, heat, smooth_sign, tendon_leads, tendon_row, wound
 
 from .carried import carried_torque
 from .native import inverse_forces, tendon_slopes
@@ -85,17 +85,17 @@ def dry_friction(plant: Plant, track: Track, torque: np.ndarray) -> np.ndarray:
     `torque` (N, n) is that on the drives' shafts, which may load the friction.
     """
     m, total = plant.mujoco, np.zeros_like(track.velocity)
+    leads = tendon_leads(plant.model, m)
     for ident in range(m.ntendon):
         name, loss = m.tendon(ident).name, np.full(len(total), float(m.tendon_frictionloss[ident]))
         laws = [term for term in plant.chain.friction if term.tendon == name]
         if not laws and not loss.any():
             continue
         rows = _rows(plant, track, ident)
-        speed = np.sum(track.velocity * rows, axis=1)
+        speed, acceleration = (np.sum(x * rows, axis=1) for x in (track.velocity, track.acceleration))
         for term in laws:
             loss = loss + term.law(speed, torque[:, int(name.partition(":")[2])], *term.parameters)
-        width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
-        total += (loss * np.tanh(speed / width))[:, None] * rows
+        total += (loss * smooth_sign(speed + leads.get(name, 0.0) * acceleration))[:, None] * rows
     return total
 
 

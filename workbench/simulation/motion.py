@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Line, Motion, Plant, axis_units, compile_plant, rotor_inertia
+from workbench.effects import Line, Motion, Plant, axis_units, compile_plant, rotor_inertia, tendon_leads
 from workbench.inspection.torque import command_limits
 from workbench.models import Model, axis_tendon, rotors
 
@@ -19,6 +19,7 @@ from .inverse import gain_along, required_torque
 from .known_rows import known_rows
 from .native import com_slopes, mass_matrices
 from .postures import link_motions, site_motion
+from .steps import as_made
 from .trajectory import Track, interpolate
 
 _EVERY_S = 0.004  # inverse dynamics is smooth within this time
@@ -53,7 +54,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
 
     def required(other: Model) -> np.ndarray:
         if id(other) not in known_models:
-            known_models[id(other)] = other, _required(other, track, step)
+            known_models[id(other)] = other, _required(as_made(other, recording), track, step)
         return known_models[id(other)][1]
 
     links = cache(lambda: link_motions(plant, track, step))
@@ -76,6 +77,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         law=lambda axis: gain_shares(recording, plant, track, axis),
         gravity=np.array(plant.links.opt.gravity),
         axis_units=axis_units(model),
+        leads=tendon_leads(as_made(model, recording), plant.mujoco),
     )
 
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.core import InputError, Recording, Recordings, SimulationError
+from workbench.core import InputError, Recording, Recordings, SimulationError, Timing
 from workbench.effects import Plant
 from workbench.inspection.torque import command_limits
 from workbench.models import Model
@@ -18,7 +18,7 @@ from .cores import on_all_cores
 from .drives import drives_of
 from .experiment import Experiment, prepare
 from .sense import logged, sensors_of
-from .steps import Steps, steps_of
+from .steps import Steps, as_made, steps_of
 from .trajectory import TRUE_MOTION
 from .unstable import raise_where_unstable
 from .world import march, world_of
@@ -70,12 +70,12 @@ def simulate(runs: Run | Sequence[Run], *, strict: bool = True) -> Recordings:
     if not (isinstance(runs, Iterable) and all(isinstance(run, Run) for run in runs)):
         raise InputError("runs are expected", remedy="give Run(model, recording), or a list of them")
     experiments = [_prepared(run, run.model) for run in runs]
-    steps = [steps_of(run.recording, run.model) for run in runs]
-    compiled: dict[tuple[int, Steps], Plant | None] = {}
-    for run, own in zip(runs, steps, strict=True):
-        if (id(run.model), own) not in compiled:
-            compiled[id(run.model), own] = _compiled(run.model, own, strict)
-    plants = [compiled[id(run.model), own] for run, own in zip(runs, steps, strict=True)]
+    keys = [(id(run.model), steps_of(run.recording, run.model), run.recording.timing) for run in runs]
+    compiled: dict[tuple[int, Steps, Timing], Plant | None] = {}
+    for run, key in zip(runs, keys, strict=True):
+        if key not in compiled:
+            compiled[key] = _compiled(run, key[1], strict)
+    plants = [compiled[key] for key in keys]
     results: list[Recording | None] = [None] * len(runs)
     # the longest first, so that no core is left alone with one at the end
     order = sorted(range(len(runs)), key=lambda i: -experiments[i].substeps)
@@ -89,10 +89,10 @@ def simulate(runs: Run | Sequence[Run], *, strict: bool = True) -> Recordings:
     return Recordings(out)
 
 
-def _compiled(model: Model, steps: Steps, strict: bool) -> Plant | None:
+def _compiled(run: Run, steps: Steps, strict: bool) -> Plant | None:
     """The model's plant; None where it cannot be had and need not."""
     try:
-        return steps.compiled(model)
+        return steps.compiled(as_made(run.model, run.recording))
     except SimulationError:
         if strict:
             raise
@@ -110,7 +110,8 @@ def _prepared(run: Run, model: Model) -> Experiment:
 def _again(model: Model, run: Run) -> Recording:
     """Another model, run the same way."""
     experiment = _prepared(run, model)
-    return _run(replace(run, model=model), experiment, steps_of(run.recording, model).compiled(model))
+    plant = steps_of(run.recording, model).compiled(as_made(model, run.recording))
+    return _run(replace(run, model=model), experiment, plant)
 
 
 def _run(run: Run, e: Experiment, plant: Plant | None) -> Recording:

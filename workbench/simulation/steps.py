@@ -19,13 +19,12 @@ class Steps:
     """How a model is integrated from row to row of a recording.
 
     `per_row`: number of steps; `length`: of each [s]; `integrator`: MuJoCo's number of it, None for
-    Runge-Kutta 4; `soft_friction`: whether dry friction sets in as the model's file has it.
+    Runge-Kutta 4.
     """
 
     per_row: int
     length: float
     integrator: int | None = None
-    soft_friction: bool = False
 
     def compiled(self, model: Model, *, grounded: bool = False) -> Plant:
         """Return the plant of a model that is integrated so.
@@ -33,8 +32,6 @@ class Steps:
         Raises:
             SimulationError: MuJoCo refuses it.
         """
-        if self.soft_friction:
-            model = replace(model, friction_as_in_mjcf=True)
         plant = compile_plant(model, self.length, grounded=grounded)
         if self.integrator is not None:
             plant.mujoco.opt.integrator = self.integrator
@@ -47,10 +44,9 @@ def steps_of(recording: Recording, model: Model) -> Steps:
     Raises:
         InputError: it states the steps of the model's file (``[timing] stepped``), which do not fit its rows.
     """
-    timing = recording.timing
-    if not timing.stepped:
+    if not recording.timing.stepped:
         per_row = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
-        return Steps(per_row, recording.period / per_row, soft_friction=timing.soft_friction)
+        return Steps(per_row, recording.period / per_row)
     own = load_tree(model.serial).option
     per_row = own_steps(recording, model)
     if per_row is None:
@@ -59,7 +55,13 @@ def steps_of(recording: Recording, model: Model) -> Steps:
             f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
             remedy="remove it if another model made the recording",
         )  # fmt: skip
-    return Steps(per_row, float(own.timestep), int(own.integrator), soft_friction=True)
+    return Steps(per_row, float(own.timestep), int(own.integrator))
+
+
+def as_made(model: Model, recording: Recording) -> Model:
+    """Return the model with dry friction as soft as in its file, if MuJoCo made the recording."""
+    soft = recording.timing.stepped or recording.timing.soft_friction
+    return replace(model, friction_as_in_mjcf=True) if soft else model
 
 
 def own_steps(recording: Recording, model: Model) -> int | None:
