@@ -25,7 +25,7 @@ def moving(
     readings: Sequence[FilteredRecording],
     wobbles: Sequence[np.ndarray],
     transmission: np.ndarray,
-    leads: np.ndarray,
+    leads: np.ndarray | float = 0.0,
 ) -> list[np.ndarray]:
     """Return which rows and axes are counted, (N, n) each: valid, away from the ends, and in motion.
 
@@ -33,7 +33,7 @@ def moving(
         readings: of the recordings.
         wobbles: the noise of each track's velocity, (N, n), actuator coordinates.
         transmission: of the model.
-        leads: how long before a reversal dry friction of drives and pins turns [s], (2 n,).
+        leads: how long before a reversal dry friction of drives and pins turns [s], (2 n,); rigid: none.
     """
     # drives and pins: friction of either may hold
     rows = np.vstack([np.eye(len(transmission)), np.linalg.inv(transmission)])
@@ -60,7 +60,7 @@ def moving(
     return out
 
 
-def _sure_speed(track: Track, rows: np.ndarray, leads: np.ndarray) -> np.ndarray:
+def _sure_speed(track: Track, rows: np.ndarray, leads: np.ndarray | float) -> np.ndarray:
     """The size of speeds `rows` (m, n) of the drives, (N, m), and none while their dry friction turns."""
     speed = track.velocity @ rows.T
     later = speed + _TURNS * leads * (track.acceleration @ rows.T)

@@ -103,7 +103,10 @@ def made_by_mujoco(
     (run,) = replay.run([model])
     for way in by_mujoco(model, given):
         taken = _likely(model, readings(model, way))[0]
-        (other,) = replay_of(model, taken).run([model])
+        there = replay_of(model, taken)
+        if type(there) is not type(replay):
+            continue
+        (other,) = there.run([model])
         apart = pooled([squares(*each) for each in zip(run, other, names, strict=True)], counts)
         change = normalised(apart, Scale.of(measured)) ** 2
         out.append(MadeByMujoco(taken, score_runs(measured, other)[0], change))

@@ -44,6 +44,8 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
                 trace.append(_tried(parent, node, taken, why, problem))
             if taken:
                 best = node
+                if not (best.done or best.diverges):
+                    problem.suspect(best.current, best.data)
                 if node is not end:
                     agenda.add(node)
                 if not child.jointly:

@@ -49,6 +49,7 @@ class Problem:
         linearisations: of the last nodes, newest first.
         visited: what was begun already, so that nothing is searched twice.
         solved: the joint solution, once it was asked for.
+        suspect: asked of each better explanation; raises what ends the search.
     """
 
     start: Fit
@@ -61,6 +62,7 @@ class Problem:
     )
     visited: set[tuple[object, ...]] = field(default_factory=set, repr=False)
     solved: list[Node | None] = field(default_factory=list, repr=False)
+    suspect: Callable[[Fit, Data], None] = field(default=lambda best, data: None, repr=False)
 
     def is_new(self, *begun: object) -> bool:
         """Return whether this is the first call with a key; later calls with the same key return False."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -17,10 +17,11 @@ from .acceptance import at_noise_floor
 from .checks.loops import refuse_coordinates
 from .checks.sign_check import refuse_wrong_sign_in_loop, refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
+from .data import Data
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
-from .made_by_mujoco import searched_by_mujoco
+from .made_by_mujoco import MadeByMujoco, refuse_made_by_mujoco, searched_by_mujoco
 from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
@@ -71,6 +72,11 @@ class Way:
             along, tests = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
             return Way(training, held_out, ask(model, along, tests, seed, limit, progress), error)
 
+    def suspecting(self, suspect: Callable[[Fit, Data], None]) -> Way:
+        """Return the same way, with what is asked of each better explanation in its search."""
+        problem = replace(self.asked.problem, suspect=suspect)
+        return replace(self, asked=replace(self.asked, problem=problem))
+
     def searched(self, *, only_jointly: bool = False, most: int | None = None) -> SearchResult:
         """Return the result of a search.
 
@@ -110,10 +116,16 @@ def best_way(
     """
 
     asked = partial(Way.of, model, seed=seed, limit=limit, progress=progress)
-    ways = [asked(*way) for way in _matched(model, training, held_out)]
+    given = (*training, *held_out)
+    suspect = partial(refuse_made_by_mujoco, given=given, asked=asked)
+    ways = [asked(*way).suspecting(suspect) for way in _matched(model, training, held_out)]
     _refuse_wrong_sign(ways[0].asked)
-    ways, by_one_effect = _explaining(ways, progress)
-    tried = by_one_effect or _searched(ways, progress)
+    try:
+        ways, by_one_effect = _explaining(ways, progress)
+        tried = by_one_effect or _searched(ways, progress)
+    except MadeByMujoco as made:
+        progress("searching again, as MuJoCo seems to have made the recordings")
+        return made.way.searched(), made.way
     ties = _ties(tried)
     # a loop that reads noise otherwise leaves another level of it
     which = min(
@@ -122,10 +134,7 @@ def best_way(
     )
     others = [tried[k].final for k in ties if k != which]
     found = _covering(tried[which], others)
-    way = ways[which]
-    taken, given = (*way.training, *way.held_out), (*training, *held_out)
-    again = searched_by_mujoco(found, taken, given, asked)
-    return again or (found, way)
+    return searched_by_mujoco(found, given, asked) or (found, ways[which])
 
 
 def _searched(ways: Sequence[Way], progress: Progress) -> list[SearchResult]:
