@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import workbench.simulation.experiment as settings_of_experiments
+import workbench.simulation.steps as settings_of_steps
 from tests.bench_arm import bench_arm, logged
 from tests.data_helpers import LEG as EXAMPLES
 from tests.models.make import machine_file
@@ -55,7 +55,7 @@ def test_the_virtual_leg_without_noise_is_the_model() -> None:
 def test_the_step_is_fine_enough(model: Model, tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = leg_experiment(0.6)
     coarse = simulated(model, asked)
-    monkeypatch.setattr(settings_of_experiments, "LONGEST_STEP", 0.0001)
+    monkeypatch.setattr(settings_of_steps, "LONGEST_STEP", 0.0001)
     assert prepare(asked, model).stride == 10
     fine = simulated(model, asked)
     difference = coarse.position - fine.position

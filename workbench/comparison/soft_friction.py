@@ -20,10 +20,6 @@ _FEW = 4
 _SOFT_MJCF = "as the file states it, MuJoCo's friction constraint is soft (solreffriction, solimpfriction)"
 _SOFT_URDF = "a URDF cannot say how rigid it is, and MuJoCo's friction constraint is soft"
 _TRAIN = "train in what workbench normalize writes"
-_STATE = (
-    "the recordings have it: state as_in_mjcf = true in [friction] of a model file, as workbench add MODEL "
-    "friction_as_in_mjcf does"
-)
 
 
 def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | None:
@@ -55,9 +51,7 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     left = noise.mean(axis=0) + apart(soft, simulated.clean)
     if consistent(left, noise, scale, allowed):
         return None
-    runs = [apart(recordings, made) for made in (simulated.clean, soft)]
-    rigid, own = (normalised(ms, scale) for ms in runs)
-    theirs = own < rigid and consistent(runs[1], noise, scale, allowed)
+    rigid, own = (normalised(apart(recordings, made), scale) for made in (simulated.clean, soft))
     urdf = is_urdf(model.serial)
     kind = "URDF" if urdf else "MJCF"
     soft_there = _SOFT_URDF if urdf else _SOFT_MJCF
@@ -65,7 +59,7 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     return (
         f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {soft_there}: "
         f"it changes sign up to {1e3 * max(leads.values()):.2g} ms before a reversal. With soft friction the "
-        f"error would be {_against(own, rigid)}; {_STATE if theirs else advice}"
+        f"error would be {_against(own, rigid)}; {advice}"
     )
 
 
