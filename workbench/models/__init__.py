@@ -31,6 +31,7 @@ from .serial import (
     springs,
     turned_joint,
 )
+from .servos import Servos, servos_of
 from .spec import load_mjcf, load_tree, load_with_loops
 from .stated_effects import structural_effect
 from .urdf import is_urdf
@@ -42,10 +43,11 @@ stop_clock()
 
 __all__ = [
     "BASE_AXES", "MOST", "NO_FRICTION", "VARIANTS", "Actuators", "AppliedEffect", "BodyNumbers", "Crank",
-    "Ground", "Inertial", "JointNumber", "Linkage", "MjcfText", "Model", "Placement", "UrdfText",
-    "alike_axes", "axis_tendon", "base_contacts", "base_spec", "check_mjcf", "differ", "drive_tendons",
-    "find_model", "free_joints", "friction_lead", "friction_leads", "inertial_frame", "is_named_model",
-    "is_urdf", "joint_kinds", "limits_left_out", "linkage_table", "load_mjcf", "load_tree", "load_with_loops",
-    "machine_bodies", "model_text", "own_constraints", "own_friction", "packaged_robot", "read_model",
-    "rotors", "springs", "structural_effect", "take_friction", "turned_joint", "warned", "write_model",
+    "Ground", "Inertial", "JointNumber", "Linkage", "MjcfText", "Model", "Placement", "Servos",
+    "UrdfText", "alike_axes", "axis_tendon", "base_contacts", "base_spec", "check_mjcf", "differ",
+    "drive_tendons", "find_model", "free_joints", "friction_lead", "friction_leads", "inertial_frame",
+    "is_named_model", "is_urdf", "joint_kinds", "limits_left_out", "linkage_table", "load_mjcf",
+    "load_tree", "load_with_loops", "machine_bodies", "model_text", "own_constraints", "own_friction",
+    "packaged_robot", "read_model", "rotors", "servos_of", "springs", "structural_effect",
+    "take_friction", "turned_joint", "warned", "write_model",
 ]  # fmt: skip

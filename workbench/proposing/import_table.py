@@ -12,7 +12,7 @@ import numpy as np
 from workbench.core import InputError, Recording
 from workbench.core.files import as_path
 from workbench.effects import axis_units, load_model
-from workbench.models import Model
+from workbench.models import Model, servos_of
 
 from .files import open_table
 from .proposal import Answers, Proposal, Question, listed
@@ -64,6 +64,7 @@ def said_by(model: Model) -> dict[str, Any]:
         "linear": tuple(unit == "m" for unit in axis_units(model)[:n]),
         "transmission": None if np.array_equal(transmission, np.eye(n)) else transmission,
         "loop": model.controller.kind != "unknown",
+        "servos": servos_of(model),
         "floats": model.floats,
     }
 

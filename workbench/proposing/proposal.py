@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from workbench.models import Servos
+
 #: Below this an assumption is a question.
 ASK = 0.9
 #: The value of what cannot be told.
@@ -76,6 +78,7 @@ class Answers:
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
         loop: whether the model states its loop.
+        servos: position actuators of the model's file, if all its joints have one.
         floats: whether the model's base is free.
         episode: which run of a log in which time starts anew, counted from 0.
         guessed: keys of questions that were answered for the user.
@@ -95,6 +98,7 @@ class Answers:
     linear: tuple[bool, ...] = ()
     transmission: np.ndarray | None = None
     loop: bool = False
+    servos: Servos | None = None
     floats: bool = False
     episode: int | None = None
     guessed: frozenset[str] = frozenset()

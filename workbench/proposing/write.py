@@ -18,6 +18,8 @@ from workbench.inspection.inspect import FEW
 from workbench.recordings import load_recording
 from workbench.recordings.tables.csv_table import csv_bytes
 
+from .by_servos import by_servos, servos_hint
+from .gains import gains_shown
 from .law import find_law
 from .proposal import UNKNOWN, Answers, Assumption, Proposal
 from .table import Table
@@ -100,6 +102,9 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
             table["period_s"] = answers.period_s
         return table, [Assumption("controller", "pd", 1.0, "you said so")], at_rest
     law = find_law(recording, answers.transmission)
+    made = None if law or answers.loop else by_servos(recording, answers.servos)
+    if made:
+        return made[0], [Assumption("controller", gains_shown(made[0]), 0.95, made[1])], at_rest
     if law is None:
         because = "no PD law gives the logged command; give --kp and --kd"
         if "velocity" in recording.derived:
@@ -108,6 +113,7 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
             because = (
                 "no torque command is logged; name it (--column torque_command=…), or give --kp and --kd"
             )
+            because += servos_hint(answers.servos)
         if len(recording) < FEW:
             because = "too few rows to tell; give --kp and --kd"
         if recording.get("position_reference") is None:
