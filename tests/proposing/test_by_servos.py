@@ -14,7 +14,8 @@ _ARM = """<mujoco model="arm"><compiler angle="radian"/><option timestep="0.002"
 <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03" mass="1" contype="0"/>
 <body pos="0.3 0 0"><joint name="elbow" axis="0 1 0" armature="0.05" damping="0.2"/>
 <geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.03" mass="0.5" contype="0"/></body></body></worldbody>
-<actuator><position joint="lift" kp="90" kv="{kv}"/><position joint="elbow" kp="40" kv="3"/></actuator></mujoco>"""
+<actuator><position joint="lift" kp="90" kv="{kv}"/><position joint="elbow" kp="40" kv="3"/></actuator>
+</mujoco>"""
 
 
 def log(folder: Path, *, kv: float = 6.0) -> Path:

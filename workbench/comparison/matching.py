@@ -20,7 +20,7 @@ from .floating import with_base
 from .following import InverseDynamicsReplay
 from .replay import Replay
 from .replay_of import replay_of
-from .score import Scale, normalised, pooled, score_runs, scored_signals, squares
+from .score import pooled, score_runs, scored_signals, squares
 from .standing import check_ground, on_ground
 from .touching import refuse_overlaps
 from .unlogged import LoopAssumption, noted, readings
@@ -73,13 +73,13 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
 class MadeByMujoco:
     """Recordings taken as made by MuJoCo from the model's file, and what a run of the model says of that.
 
-    `error`: of the run without noise; `change`: mean square, over that of the signals, of the difference to a
-    run on recordings of a machine.
+    `error`: of the run without noise; `change`: mean squares (2, n) of the difference to a run on recordings
+    of a machine, position and torque.
     """
 
     recordings: tuple[Recording, ...]
     error: float
-    change: float
+    change: np.ndarray
 
 
 def made_by_mujoco(
@@ -107,8 +107,7 @@ def made_by_mujoco(
         if type(there) is not type(replay):
             continue
         (other,) = there.run([model])
-        apart = pooled([squares(*each) for each in zip(run, other, names, strict=True)], counts)
-        change = normalised(apart, Scale.of(measured)) ** 2
+        change = pooled([squares(*each) for each in zip(run, other, names, strict=True)], counts)
         out.append(MadeByMujoco(taken, score_runs(measured, other)[0], change))
     return [made for made in out if np.isfinite(made.error)]
 

@@ -7,8 +7,11 @@ MuJoCo would have made them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from workbench.comparison import made_by_mujoco
 from workbench.core import Recording
@@ -71,14 +74,14 @@ def searched_by_mujoco(
     tried: list[tuple[float, Way]] = []
     for after, way in _again(found.final, data, given, asked):
         start = way.asked.problem
-        if after < left or _excess(start.data, start.start) < _excess(data, found.start):
+        if after < left or _excess(start.data, start.start, data) < _excess(data, found.start):
             tried.append((after, way))
     if not tried:
         return None
     _, way = min(tried, key=itemgetter(0))
     way.asked.problem.progress("searching again, as MuJoCo seems to have made the recordings")
     result = way.searched()
-    lower = _excess(result.final_data, result.final) <= POLICY.exchange_left * left
+    lower = _excess(result.final_data, result.final, data) <= POLICY.exchange_left * left
     return (result, way) if lower else None
 
 
@@ -90,17 +93,16 @@ def _again(
     """
     left, out = _excess(data, last), []
     least = (1.0 - POLICY.exchange_left**0.5) ** 2 * left  # a smaller change cannot halve it
-    if left <= 0.0:
-        return out
     for made in made_by_mujoco(last.hypothesis.model, data.recordings, given):
-        if made.change >= least:
+        if data.objective(made.change) >= least > 0.0:
             way = asked(made.recordings[: data.training], made.recordings[data.training :])
             there = way.asked.problem.data
             (again,) = fit([last.hypothesis], there)
-            out.append((left if again is None else _excess(there, again), way))
+            out.append((left if again is None else _excess(there, again, data), way))
     return out
 
 
-def _excess(data: Data, final: Fit) -> float:
-    """Return the mean square of the fitted error above the noise, over that of the signals."""
-    return data.score(final.mean_squares) ** 2 - data.score(data.floor) ** 2
+def _excess(data: Data, final: Fit, like: Data | None = None) -> float:
+    """Return the loss of the fitted error above the noise of each signal, with the weights of other data."""
+    weighed = data if like is None else replace(data, weight=like.weight)
+    return weighed.objective(np.maximum(data.pool(final.mean_squares) - data.least(), 0.0))
