@@ -158,24 +158,27 @@ def test_a_leg_of_ones_own_hides_what_its_model_lacks(tmp_path: Path) -> None:
     assert len(own_rig(load_model(tmp_path / "found.toml")).machine.frictions) == 1
 
 
-def test_demo_of_a_machine_of_ones_own(tmp_path: Path) -> None:
+@pytest.mark.parametrize("stated", ["in the model file", "in the MJCF"])
+def test_demo_of_a_machine_of_ones_own(tmp_path: Path, stated: str) -> None:
     """A hinge of a tree: what is hidden is found, nothing of it is told before, and the truth comes last."""
+    servo = '<actuator><position joint="axle" kp="40" kv="1.5"/></actuator>' * (stated == "in the MJCF")
+    loop = '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = 40.0\nkd = 1.5\nperiod_s = 0.002\n'
     (tmp_path / "fan.xml").write_text(
         '<mujoco><compiler angle="radian"/><worldbody><body name="fan"><joint name="axle" range="-2 2" '
         'axis="0 0 1" armature="0.01"/><inertial pos="0 0 0" mass="1" diaginertia="0.02 0.02 0.02"/></body>'
-        "</worldbody></mujoco>"
+        f"</worldbody>{servo}</mujoco>"
     )
-    (tmp_path / "fan.toml").write_text(
-        'format = 1\nname = "fan"\nserial = "fan.xml"\n[actuators]\ntorque_limit = 20.0\ndelay_s = 0.002\n'
-        '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = 40.0\nkd = 1.5\nperiod_s = 0.002\n'
-    )
+    file = 'format = 1\nname = "fan"\nserial = "fan.xml"\n[actuators]\ntorque_limit = 20.0\ndelay_s = 0.002\n'
+    (tmp_path / "fan.toml").write_text(file + loop)
     excite = ["excite", "fan.toml", "-o", "plan.toml", "--period", 2, "--periods", 1, "--amplitude", 3]
     assert run(*excite, cwd=tmp_path).returncode == 0
+    (tmp_path / "fan.toml").write_text(file + loop * (not servo))
     hidden = ["--hide", "viscous_damping@axle", "--set", "damping=0.12"]
     done = run("demo", "fan.toml", "plan.toml", "-o", "out", *hidden, "--json", "out.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     told = json.loads((tmp_path / "out.json").read_text())
     assert told["truth"][0]["effect"] == "viscous_damping" and told["truth"][0]["axis"] == "axle"
+    assert ("loop is that of the position actuators" in done.stdout) == bool(servo)
     assert "found" in done.stdout and "0.12" not in done.stdout.split("hidden in it")[0]
     assert (tmp_path / "out" / "report.html").is_file() and (tmp_path / "out" / "improved.toml").is_file()
 

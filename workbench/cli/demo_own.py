@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,18 +63,26 @@ def record_hidden(
 
 
 def _as_its_mechanism(model: Model, say: Callable[[str], Any]) -> Model:
-    """The model whose structure is the mechanism's, so that nothing but what is hidden is missing.
+    """The model whose structure is the mechanism's, so that nothing but what is hidden is missing; without a
+    loop of its own it has that of the position actuators in its file.
 
     Raises:
         InputError: it has no loop.
     """
+    from workbench.core import Controller
+    from workbench.models import servos_of
     from workbench.s3n.variants import with_variant
 
     if model.controller.kind != "pd":
-        raise InputError(
-            "the model has no PD loop, and nothing holds the machine", file=model.source, column="controller",
-            remedy="give it a [controller], as docs/models.md shows",
-        )  # fmt: skip
+        servos = servos_of(model)
+        if servos is None:
+            raise InputError(
+                "the model has no PD loop, and nothing holds the machine", file=model.source,
+                column="controller", remedy="give it a [controller], as docs/models.md shows",
+            )  # fmt: skip
+        loop = Controller("pd", "joint", servos.kp, servos.kd, period_s=servos.step)
+        model = replace(model, controller=loop)
+        say("The loop is that of the position actuators in the model's file.")
     if model.linkage is not None and model.variant != "exact":
         say(f"The model is taken as variant exact, not {model.variant}: its linkage is known here.")
         return with_variant(model, "exact")

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
 from workbench.core import InputError, Recording
 from workbench.effects import Plant, compile_plant
-from workbench.models import Model, load_tree
+from workbench.models import Model, load_tree, servos_of
 
+_EULER = int(mujoco.mjtIntegrator.mjINT_EULER)
+_IMPLICITS = int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST), int(mujoco.mjtIntegrator.mjINT_IMPLICIT)
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
 
@@ -19,12 +22,13 @@ class Steps:
     """How a model is integrated from row to row of a recording.
 
     `per_row`: number of steps; `length`: of each [s]; `integrator`: MuJoCo's number of it, None for
-    Runge-Kutta 4.
+    Runge-Kutta 4; `implicit`: gains on speed of each joint's actuator that it is implicit in, as on damping.
     """
 
     per_row: int
     length: float
     integrator: int | None = None
+    implicit: tuple[float, ...] = ()
 
     def compiled(self, model: Model, *, grounded: bool = False) -> Plant:
         """Return the plant of a model that is integrated so.
@@ -35,6 +39,9 @@ class Steps:
         plant = compile_plant(model, self.length, grounded=grounded)
         if self.integrator is not None:
             plant.mujoco.opt.integrator = self.integrator
+        for name, gain in zip(model.joints, self.implicit, strict=False):
+            # (M + h kd) dv = h f, where the torque f has the speed from before the step
+            plant.mujoco.dof_armature[plant.mujoco.joint(name).dofadr] += self.length * gain
         return plant
 
 
@@ -55,7 +62,14 @@ def steps_of(recording: Recording, model: Model) -> Steps:
             f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
             remedy="remove it if another model made the recording",
         )  # fmt: skip
-    return Steps(per_row, float(own.timestep), int(own.integrator))
+    integrator, implicit = int(own.integrator), ()
+    if integrator in _IMPLICITS:
+        servos, loop = servos_of(model), recording.controller
+        if servos and (loop.kp, loop.kd, loop.coordinates) == (servos.kp, servos.kd, "joint"):
+            implicit = servos.kd
+    if integrator == _EULER and not own.disableflags & int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP):
+        integrator = _IMPLICITS[0]  # as Euler is in a joint's damping, but not in that of a drive's tendon
+    return Steps(per_row, float(own.timestep), integrator, implicit)
 
 
 def as_made(model: Model, recording: Recording) -> Model:
