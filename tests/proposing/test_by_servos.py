@@ -11,7 +11,8 @@ import pytest
 from workbench import import_table
 from workbench.comparison import compare
 
-_ARM = """<mujoco model="arm"><compiler angle="radian"/><option timestep="0.002" integrator="{integrator}"/><worldbody>
+_ARM = """<mujoco model="arm"><compiler angle="radian"/><option timestep="0.002" integrator="{integrator}"/>
+<worldbody>
 <body><joint name="lift" axis="0 1 0" armature="0.1" damping="0.5" frictionloss="0.1"/>
 <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03" mass="1" contype="0"/>
 <body pos="0.3 0 0"><joint name="elbow" axis="0 1 0" armature="0.05" damping="0.2"/>
