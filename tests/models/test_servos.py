@@ -22,7 +22,7 @@ def arm(folder: Path, actuators: str) -> Path:
     return file
 
 
-def test_position_actuators_are_a_loop_in_the_order_of_the_joints(tmp_path: Path) -> None:
+def test_position_actuators_are_a_loop_joint_by_joint(tmp_path: Path) -> None:
     found = servos_of(load_model(arm(tmp_path, _REACH + _LIFT)))
     assert found is not None
     assert (found.kp, found.kd, found.step) == ((50.0, 900.0), (3.0, 40.0), 0.004)

@@ -40,7 +40,7 @@ def log(folder: Path, *, kv: float = 6.0, integrator: str = "Euler") -> Path:
     return folder / "log.csv"
 
 
-def test_gains_of_the_file_are_taken_where_the_torque_is_their_law(tmp_path: Path) -> None:
+def test_gains_of_the_file_are_taken_if_the_torque_obeys(tmp_path: Path) -> None:
     loop = import_table(log(tmp_path), tmp_path / "arm.xml", likeliest=True).controller
     assert (loop.kind, loop.kp, loop.kd, loop.period_s) == ("pd", (90.0, 40.0), (6.0, 3.0), 0.002)
 
