@@ -22,6 +22,14 @@ def test_a_log_of_the_files_own_simulation_is_explained(tmp_path: Path) -> None:
     assert said.consistent and not any("MuJoCo seems" in note for note in said.notes)
 
 
+def test_what_is_stated_to_be_of_a_machine_is_taken_so(tmp_path: Path) -> None:
+    file = arm_file(tmp_path)
+    log = mujoco_log(file, "own", seed=3)
+    log.write_text(log.read_text() + "[timing]\nstepped = false\n")
+    result = compare(file, log)
+    assert not result.consistent and not any("MuJoCo seems" in note for note in result.notes)
+
+
 def test_fine_steps_leave_the_soft_friction(tmp_path: Path) -> None:
     file = arm_file(tmp_path)
     result = compare(file, mujoco_log(file, "fine", seed=4, step=1e-4))

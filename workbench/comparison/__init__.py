@@ -6,7 +6,7 @@ from .compare import cannot_run, compare, noise_rules, told
 from .evaluate import evaluate
 from .following import followed
 from .long import compare_logs
-from .matching import made_by_mujoco, matched, matched_ways
+from .matching import as_compared, explained_by_mujoco, made_by_mujoco, matched, matched_ways
 from .measured_motion import nearest_in_time
 from .noise import NoiseModel
 from .replay import Replay
@@ -30,10 +30,12 @@ __all__ = [
     "Simulated",
     "Turn",
     "Turned",
+    "as_compared",
     "cannot_run",
     "compare",
     "compare_logs",
     "evaluate",
+    "explained_by_mujoco",
     "followed",
     "is_free",
     "is_weighable",

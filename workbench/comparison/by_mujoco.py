@@ -11,9 +11,8 @@ from dataclasses import replace
 
 from workbench.core import Recording
 from workbench.models import Model, friction_leads, load_tree
-from workbench.simulation import own_steps
+from workbench.simulation import whole_steps
 
-_WHOLE = 1e-6  # of a step
 _STATE = "If you know that this is right, state"
 
 
@@ -21,7 +20,7 @@ def by_mujoco(model: Model, recordings: Sequence[Recording]) -> list[tuple[Recor
     """Return recordings as MuJoCo made them by each way in which it may have run the model's file: in fine
     steps, with its soft friction, or in the file's own. None where they state what made them.
     """
-    if any(r.timing.stepped or r.timing.soft_friction for r in recordings):
+    if any(x is not None for r in recordings for x in (r.timing.stepped, r.timing.soft_friction)):
         return []
     compiled = load_tree(model.serial).compile()
     out = []
@@ -33,7 +32,7 @@ def by_mujoco(model: Model, recordings: Sequence[Recording]) -> list[tuple[Recor
         out.append(tuple(_noted(r, line, soft_friction=True) for r in recordings))
     step = float(compiled.opt.timestep)
     # along a measured motion steps make no difference
-    if all(r.controller.kind != "unknown" and _fits(r, model, step) for r in recordings):
+    if all(r.controller.kind != "unknown" and _fits(r, step) for r in recordings):
         line = (
             f"MuJoCo seems to have made the recordings, in steps of {1e3 * step:g} ms as the model's file "
             f"has, so it is run in these. {_STATE} stepped = true in [timing]"
@@ -42,10 +41,10 @@ def by_mujoco(model: Model, recordings: Sequence[Recording]) -> list[tuple[Recor
     return out
 
 
-def _fits(recording: Recording, model: Model, step: float) -> bool:
+def _fits(recording: Recording, step: float) -> bool:
     """Whether rows and ticks of a loop are whole numbers of steps apart."""
-    ticks = (recording.controller.period_s or recording.period) / step
-    return own_steps(recording, model) is not None and abs(ticks - round(ticks)) < _WHOLE
+    periods = recording.period, recording.controller.period_s or recording.period
+    return all(whole_steps(period, step) is not None for period in periods)
 
 
 def _read_as_is(recording: Recording) -> Recording:

@@ -16,7 +16,7 @@ from workbench.s3n import on_drives
 from workbench.simulation import runs_in_loop
 
 from .evaluate import evaluate
-from .matching import matched
+from .matching import explained_by_mujoco, matched
 from .noise import DRAWS, NoiseModel
 from .replay_of import needs_inverse, replay_of
 from .score import Scale, normalised
@@ -47,9 +47,13 @@ def compare(
     known = not any(needs_inverse(model, r) for r in recordings)
     if model.posture_dependent and not (known and runs_in_loop(model)):
         model = on_drives(model)  # which is compared along the measured motion
-    replay = replay_of(model, matched(model, recordings))
+    taken = matched(model, recordings)
+    replay = replay_of(model, taken)
     simulated = replay.with_noise(model, seed, draws)
     out = told(evaluate(model, simulated))
+    made = None if out.consistent else explained_by_mujoco(model, taken, recordings)
+    if made is not None:
+        return compare(model, made, draws=draws, seed=seed)
     soft = None if model.posture_dependent else softness_note(model, replay, simulated)
     return replace(out, notes=(*out.notes, *filter(None, [soft])))
 

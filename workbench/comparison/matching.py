@@ -60,26 +60,48 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
     if model.posture_dependent or model.carried is not None:
         return (out,)
     refuse_overlaps(model, out)
-    ways = _likely(model, readings(model, out))
-    made = min(made_by_mujoco(model, ways[0], out), key=lambda m: m.error, default=None)
-    if made is None:
-        return ways
-    replay = replay_of(model, ways[0])
-    better = made.error < _error(replay, model) and not _explains(model, replay)
-    return (made.recordings,) if better and _explains(model, replay_of(model, made.recordings)) else ways
+    return _likely(model, readings(model, out))
 
 
 @dataclass(frozen=True)
 class MadeByMujoco:
     """Recordings taken as made by MuJoCo from the model's file, and what a run of the model says of that.
 
-    `error`: of the run without noise; `change`: mean squares (2, n) of the difference to a run on recordings
-    of a machine, position and torque.
+    `error`: of the run without noise; `usual`: of that on recordings of a machine; `change`: mean squares
+    (2, n) of their difference, position and torque.
     """
 
     recordings: tuple[Recording, ...]
     error: float
+    usual: float
     change: np.ndarray
+
+
+def as_compared(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Return the recordings as `compare` takes them: as MuJoCo made them, if only then the model explains
+    them.
+
+    Raises:
+        InputError: as `matched_ways`.
+    """
+    usual = matched(model, recordings)
+    made = explained_by_mujoco(model, usual, recordings)
+    return usual if made is None or _explains(model, usual) else made
+
+
+def explained_by_mujoco(
+    model: Model, usual: Sequence[Recording], given: Sequence[Recording]
+) -> tuple[Recording, ...] | None:
+    """Return recordings that a model explains if MuJoCo made them from its file; None if it does not.
+
+    Args:
+        model, usual, given: as of `made_by_mujoco`; the model does not explain the usual ones.
+    """
+    lower = [made for made in made_by_mujoco(model, usual, given) if made.error < made.usual]
+    if not lower:
+        return None
+    best = min(lower, key=lambda made: made.error).recordings
+    return best if _explains(model, best) else None
 
 
 def made_by_mujoco(
@@ -93,14 +115,18 @@ def made_by_mujoco(
         given: the recordings without any.
 
     Returns:
-        none where models run neither in a loop nor along the measured motion.
+        none where models run neither in a loop nor along the measured motion, and where the file of a model
+        is not all of its machine.
     """
     replay, out = replay_of(model, usual), []
+    if model.posture_dependent or model.carried is not None:
+        return out
     if not isinstance(replay, ClosedLoop | InverseDynamicsReplay):
         return out
     measured = replay.recordings
     counts, names = [int(np.sum(r.valid)) for r in measured], [scored_signals(r) for r in measured]
     (run,) = replay.run([model])
+    usual_error, _ = score_runs(measured, run)
     for way in by_mujoco(model, given):
         taken = _likely(model, readings(model, way))[0]
         there = replay_of(model, taken)
@@ -108,12 +134,12 @@ def made_by_mujoco(
             continue
         (other,) = there.run([model])
         change = pooled([squares(*each) for each in zip(run, other, names, strict=True)], counts)
-        out.append(MadeByMujoco(taken, score_runs(measured, other)[0], change))
+        out.append(MadeByMujoco(taken, score_runs(measured, other)[0], usual_error, change))
     return [made for made in out if np.isfinite(made.error)]
 
 
-def _explains(model: Model, replay: Replay) -> bool:
-    return evaluate(model, replay.with_noise(model, 0)).consistent
+def _explains(model: Model, recordings: Sequence[Recording]) -> bool:
+    return evaluate(model, replay_of(model, recordings).with_noise(model, 0)).consistent
 
 
 def _likely(model: Model, ways: Sequence[LoopAssumption]) -> tuple[tuple[Recording, ...], ...]:

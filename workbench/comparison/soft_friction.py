@@ -36,7 +36,7 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     """
     own_file = load_tree(model.serial).compile()
     leads = friction_leads(own_file)
-    if not leads or model.friction_as_in_mjcf or any(_stated(r) for r in simulated.recordings):
+    if not leads or model.friction_as_in_mjcf or any(r.timing.by_mujoco for r in simulated.recordings):
         return None
     soft, recordings = replay.run([replace(model, friction_as_in_mjcf=True)])[0], simulated.recordings
     names, counts = [scored_signals(r) for r in recordings], [int(np.sum(r.valid)) for r in recordings]
@@ -61,11 +61,6 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
         f"it changes sign up to {1e3 * max(leads.values()):.2g} ms before a reversal. With soft friction the "
         f"error would be {_against(own, rigid)}; {advice}"
     )
-
-
-def _stated(recording: Recording) -> bool:
-    """Whether it says that MuJoCo made it, with its friction."""
-    return recording.timing.stepped or recording.timing.soft_friction
 
 
 def _against(own: float, rigid: float) -> str:

@@ -82,7 +82,8 @@ class Timing:
     `reference_held`: at ticks of the loop between rows the reference is that of the row before (else it goes
     on smoothly); None: as the recordings show it.
     `stepped`: MuJoCo ran the model's file: with its steps, its integrator and its dry friction.
-    `soft_friction`: MuJoCo ran it in fine steps: dry friction is as soft as the file makes it.
+    `soft_friction`: MuJoCo ran it in fine steps: dry friction is as soft as the file makes it. Both None: as
+    the recordings show it.
     `initial_at_rest`: the run starts at rest at the first reference (else the state is fitted).
     `delay`: where the loop's delay was applied: ``"motor"`` (the model's T_d applies) or ``"loop"``
     (`torque_command` already carries it).
@@ -92,8 +93,13 @@ class Timing:
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
     reference_held: bool | None = None
-    stepped: bool = False
-    soft_friction: bool = False
+    stepped: bool | None = None
+    soft_friction: bool | None = None
+
+    @property
+    def by_mujoco(self) -> bool:
+        """Return whether MuJoCo made the recording, so that it has the soft friction of the model's file."""
+        return bool(self.stepped or self.soft_friction)
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,7 +21,7 @@ from .data import Data
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
-from .made_by_mujoco import MadeByMujoco, refuse_made_by_mujoco, searched_by_mujoco
+from .made_by_mujoco import MadeByMujoco, MujocoSuspicion
 from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
@@ -114,11 +114,11 @@ def best_way(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-
     asked = partial(Way.of, model, seed=seed, limit=limit, progress=progress)
-    given = (*training, *held_out)
-    suspect = partial(refuse_made_by_mujoco, given=given, asked=asked)
-    ways = [asked(*way).suspecting(suspect) for way in _matched(model, training, held_out)]
+    suspicion = MujocoSuspicion((*training, *held_out), len(training), asked)
+    ways = [asked(*way).suspecting(suspicion) for way in _matched(model, training, held_out)]
+    if explained := suspicion.at_once(ways[0]):
+        ways = [explained]
     _refuse_wrong_sign(ways[0].asked)
     try:
         ways, by_one_effect = _explaining(ways, progress)
@@ -134,7 +134,7 @@ def best_way(
     )
     others = [tried[k].final for k in ties if k != which]
     found = _covering(tried[which], others)
-    return searched_by_mujoco(found, given, asked) or (found, ways[which])
+    return suspicion.searched(found) or (found, ways[which])
 
 
 def _searched(ways: Sequence[Way], progress: Progress) -> list[SearchResult]:

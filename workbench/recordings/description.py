@@ -92,8 +92,8 @@ class TimingTable(_Table):
 
     feedforward_held: bool = True
     reference_held: bool | None = None
-    stepped: bool = False
-    soft_friction: bool = False
+    stepped: bool | None = None
+    soft_friction: bool | None = None
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
 

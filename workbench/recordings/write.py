@@ -31,8 +31,6 @@ _SHORT = {
     "temperature": "temp",
 }
 
-_BY_MUJOCO = ("stepped", "soft_friction")  # said of recordings of a simulation only
-
 
 def save_recording(
     recording: Recording, toml_path: str | Path, *, compress: bool = True, force: bool = False,
@@ -113,7 +111,7 @@ def _description(recording: Recording, table: str, columns: dict[str, Any]) -> d
         "units": {"time": "s", **{k: u[0] if len(set(u)) == 1 else u for k, u in units.items()}},
         **({} if c == Controller() else {"controller": _present(controller)}),
         "excitation": _present(vars(recording.excitation)),
-        "timing": _present({k: v for k, v in vars(recording.timing).items() if v or k not in _BY_MUJOCO}),
+        "timing": _present(vars(recording.timing)),
     }
 
 

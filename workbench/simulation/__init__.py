@@ -16,7 +16,7 @@ from .propagate import Disturbance, propagate
 from .run import Run, simulate
 from .sense import true_motion
 from .shooting import Tangents, Windows, shoot
-from .steps import LONGEST_STEP, as_made, own_steps, steps_of
+from .steps import LONGEST_STEP, as_made, steps_of, whole_steps
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
@@ -25,8 +25,8 @@ __all__ = [
     "Run", "SensorNoise", "Tangents", "Track", "Windows", "as_made", "as_recording", "check_axes",
     "check_held", "differentiates", "edge_rows", "held_posture", "holds", "interpolate", "joint_columns",
     "joint_limits", "law_torque", "limits_of", "linearise", "mass_matrix", "motion_of", "on_all_cores",
-    "own_steps", "predictor", "prepare", "propagate", "rate_read", "refuse_joint_coordinates",
+    "predictor", "prepare", "propagate", "rate_read", "refuse_joint_coordinates",
     "required_torque", "rigid_torque", "run_posture", "runs_in_loop", "scored_torque", "shoot",
     "simulate", "slopes", "smooth_track", "steps_of", "true_motion", "use_cores", "whole_period",
-    "with_loop_of",
+    "whole_steps",    "with_loop_of",
 ]  # fmt: skip

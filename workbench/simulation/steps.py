@@ -55,7 +55,7 @@ def steps_of(recording: Recording, model: Model) -> Steps:
         per_row = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
         return Steps(per_row, recording.period / per_row)
     own = load_tree(model.serial).option
-    per_row = own_steps(recording, model)
+    per_row = whole_steps(recording.period, own.timestep)
     if per_row is None:
         raise InputError(
             f"its rows are {recording.period:g} s apart, but the model's file has steps of "
@@ -74,11 +74,10 @@ def steps_of(recording: Recording, model: Model) -> Steps:
 
 def as_made(model: Model, recording: Recording) -> Model:
     """Return the model with dry friction as soft as in its file, if MuJoCo made the recording."""
-    soft = recording.timing.stepped or recording.timing.soft_friction
-    return replace(model, friction_as_in_mjcf=True) if soft else model
+    return replace(model, friction_as_in_mjcf=True) if recording.timing.by_mujoco else model
 
 
-def own_steps(recording: Recording, model: Model) -> int | None:
-    """Return how many steps of the model's file make a row of a recording; None if no whole number does."""
-    rows = recording.period / load_tree(model.serial).option.timestep
-    return None if rows < 0.5 or abs(rows - round(rows)) > 1e-6 else round(rows)
+def whole_steps(duration: float, step: float) -> int | None:
+    """Return how many steps [s] make a duration [s]; None if no whole number does."""
+    count = duration / step
+    return None if count < 0.5 or abs(count - round(count)) > 1e-6 else round(count)

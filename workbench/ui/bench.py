@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench import report
-from workbench.comparison import evaluate, matched, replay_of, score_runs
+from workbench.comparison import as_compared, evaluate, replay_of, score_runs
 from workbench.core import (
     Comparison,
     Diagnosis,
@@ -64,7 +64,7 @@ class Bench:
             InputError: not on the shelf, unreadable, or not made for each other.
         """
         loaded = self.shelf.model(model)
-        data = matched(loaded, [self.shelf.recording(name) for name in recordings])
+        data = as_compared(loaded, [self.shelf.recording(name) for name in recordings])
         names = [r.name for r in data]
         twice = next((n for n in names if names.count(n) > 1), None)
         if twice is not None:
